@@ -1,0 +1,212 @@
+//! The one error type: what went wrong, where, and what to do about it.
+//!
+//! An error is raised at the edge that sees it, carries its facts as fields, and is printed once, by the program.
+
+use std::path::PathBuf;
+
+/// A result with cellfan's [`Error`].
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// Everything that can go wrong, with the facts a caller needs to act on it.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The operating system refused to read or write.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+
+    /// A file does not hold what its format says it must.
+    #[error("{}: {place}: {problem}", path.display())]
+    Malformed {
+        /// The file.
+        path: PathBuf,
+        /// Where in it: an element, a line, a byte.
+        place: String,
+        /// What is wrong and what was expected.
+        problem: String,
+    },
+
+    /// A format, encoding or cell kind that cellfan does not read.
+    #[error("{}: {what} is not supported; {advice}", path.display())]
+    Unsupported {
+        /// The file.
+        path: PathBuf,
+        /// What it holds.
+        what: String,
+        /// What to do instead.
+        advice: String,
+    },
+
+    /// An error in the contents of a file that was read in full.
+    #[error("{}: {source}", path.display())]
+    InFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with its contents.
+        source: Box<Error>,
+    },
+
+    /// A cell names a vertex that does not exist.
+    #[error(
+        "{column}: cell {cell} refers to point {index}, but there are only {len} points (0 to {}); the file is damaged or truncated",
+        len.saturating_sub(1)
+    )]
+    IndexOutOfRange {
+        /// The column that holds the index.
+        column: &'static str,
+        /// The cell, in file order.
+        cell: u64,
+        /// The index found.
+        index: i64,
+        /// How many points there are.
+        len: u64,
+    },
+
+    /// A column is longer or shorter than what it describes.
+    #[error("{column}: has {len} entries where {expected} are needed; the file is damaged or truncated")]
+    LengthMismatch {
+        /// The column.
+        column: String,
+        /// Its length.
+        len: u64,
+        /// The length it must have.
+        expected: u64,
+    },
+
+    /// A vertex of a cell has a coordinate that is NaN or infinite.
+    #[error(
+        "points: point {point} is used by a cell but its position is not finite ({position:?}); remove or repair it"
+    )]
+    NonFinitePosition {
+        /// The point, in file order.
+        point: u64,
+        /// Its coordinates.
+        position: [f64; 3],
+    },
+
+    /// More points or cells than the 32-bit index maps can name.
+    #[error("{column}: {len} entries are more than the {limit} that this version can index; split the mesh")]
+    TooLarge {
+        /// The column.
+        column: &'static str,
+        /// Its length.
+        len: u64,
+        /// The largest length supported.
+        limit: u64,
+    },
+
+    /// Nothing is left to draw.
+    #[error("the mesh has no cell with a volume: {found}")]
+    NoCells {
+        /// What was found instead.
+        found: String,
+    },
+
+    /// The array asked for does not exist.
+    #[error("there is no array {name:?}; {}", if available.is_empty() {
+        "the mesh has no arrays: leave --array out to draw it homogeneous".to_owned()
+    } else {
+        format!("choose one of: {}", available.join(", "))
+    })]
+    UnknownArray {
+        /// The name given.
+        name: String,
+        /// The names there are.
+        available: Vec<String>,
+    },
+
+    /// An array that cannot be drawn: no finite value, or no such component.
+    #[error("array {name:?}: {problem}")]
+    UnusableArray {
+        /// The array.
+        name: String,
+        /// Why, and what to do.
+        problem: String,
+    },
+
+    /// A transfer function that is not one.
+    #[error("transfer function: {problem}")]
+    TransferFunction {
+        /// What is wrong, where, and what was expected.
+        problem: String,
+    },
+
+    /// A camera that cannot look at anything.
+    #[error("camera: {problem}")]
+    Camera {
+        /// What is wrong and what was expected.
+        problem: String,
+    },
+
+    /// Options that contradict each other or lie out of range.
+    #[error("{option}: {problem}")]
+    Option {
+        /// The option, as it is written on the command line.
+        option: &'static str,
+        /// What is wrong and what was expected.
+        problem: String,
+    },
+
+    /// A picture could not be encoded.
+    #[error("{}: could not encode the picture: {problem}", path.display())]
+    Encode {
+        /// The file that was to be written.
+        path: PathBuf,
+        /// What the encoder said.
+        problem: String,
+    },
+
+    /// Two pictures that are to be compared differ in size.
+    #[error(
+        "pictures of {}x{} and {}x{} pixels cannot be compared; draw both at one size",
+        size.0, size.1, other_size.0, other_size.1
+    )]
+    ImageSize {
+        /// Width and height of the one, in pixels.
+        size: (u32, u32),
+        /// Width and height of the other.
+        other_size: (u32, u32),
+    },
+
+    /// No device can run what was asked for.
+    #[error("no usable device: {problem}")]
+    NoDevice {
+        /// What is missing and what to do instead.
+        problem: String,
+    },
+}
+
+impl Error {
+    /// Adds the file in whose contents the error was found, unless it names one already.
+    ///
+    /// ```
+    /// # use cellfan::Error;
+    /// let error = Error::TransferFunction { problem: "no points".into() }.in_file("tf.json");
+    /// assert_eq!(error.to_string(), "tf.json: transfer function: no points");
+    /// ```
+    #[must_use]
+    pub fn in_file(self, path: impl Into<PathBuf>) -> Self {
+        match self {
+            Self::Io { .. }
+            | Self::Malformed { .. }
+            | Self::Unsupported { .. }
+            | Self::InFile { .. }
+            | Self::Encode { .. } => self,
+            other => Self::InFile { path: path.into(), source: Box::new(other) },
+        }
+    }
+
+    /// Whether the cause is a device that is missing rather than the input: the program's exit code 2.
+    pub fn is_device(&self) -> bool {
+        match self {
+            Self::NoDevice { .. } => true,
+            Self::InFile { source, .. } => source.is_device(),
+            _ => false,
+        }
+    }
+}
