@@ -1,0 +1,193 @@
+//! [`Profile`]: what each stage took, under the stage's own name; [`Stats`]: what one run did, as a table and as JSON.
+//!
+//! In: durations, bytes and counts from whoever runs the stages. Out: a table for a terminal, STATS.json for programs.
+//! To add a stage: time it under its file's name, it appears in its place. To add a figure: a field in `stats`.
+
+mod memory;
+mod stats;
+mod table;
+
+use std::time::{Duration, Instant};
+
+pub use memory::peak_rss_bytes;
+pub use stats::{CellStats, Exactness, OrderStats, Stats};
+
+/// What one stage took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StageTime {
+    /// The stage: its file, its benchmark group and its span bear the same name.
+    pub name: &'static str,
+    /// Wall time in milliseconds.
+    pub duration_ms: f64,
+    /// Bytes read and written, as the stage counts them; 0 where it does not.
+    pub bytes: u64,
+}
+
+/// The stages in the order in which they first ran, each once.
+///
+/// ```
+/// use std::time::Duration;
+/// use cellfan::profile::Profile;
+/// let mut profile = Profile::default();
+/// let sum = profile.time("cull", || (1..=4).sum::<u32>());
+/// profile.add("sort", Duration::from_millis(3), 800);
+/// profile.add("sort", Duration::from_millis(1), 200);
+/// let sort = profile.get("sort").unwrap();
+/// assert_eq!((sum, sort.duration_ms, sort.bytes), (10, 4.0, 1000));
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Profile {
+    stages: Vec<StageTime>,
+}
+
+impl Profile {
+    /// Runs `work` in a span and adds its wall time to `stage`.
+    pub fn time<T>(&mut self, stage: &'static str, work: impl FnOnce() -> T) -> T {
+        let _span = tracing::debug_span!("stage", name = stage).entered();
+        let start = Instant::now();
+        let value = work();
+        self.add(stage, start.elapsed(), 0);
+        value
+    }
+
+    /// Adds wall time and bytes to `stage`; a stage that is new comes last.
+    pub fn add(&mut self, stage: &'static str, elapsed: Duration, bytes: u64) {
+        let end = self.stages.len();
+        let stage = self.stage(stage, end);
+        stage.duration_ms += elapsed.as_secs_f64() * 1e3;
+        stage.bytes += bytes;
+    }
+
+    /// The stages, in order.
+    pub fn stages(&self) -> &[StageTime] {
+        &self.stages
+    }
+
+    /// One stage; none where it never ran.
+    pub fn get(&self, stage: &str) -> Option<&StageTime> {
+        self.stages.iter().find(|s| s.name == stage)
+    }
+
+    /// The sum over the stages in milliseconds: more than the wall time where stages overlap.
+    pub fn total_ms(&self) -> f64 {
+        self.stages.iter().fold(0.0, |sum, s| sum + s.duration_ms)
+    }
+
+    /// Forgets every stage and keeps the memory: for the next frame.
+    pub fn clear(&mut self) {
+        self.stages.clear();
+    }
+
+    /// Adds all stages of `other`; those that are new come last.
+    pub fn append(&mut self, other: &Self) {
+        for theirs in &other.stages {
+            let end = self.stages.len();
+            let ours = self.stage(theirs.name, end);
+            ours.duration_ms += theirs.duration_ms;
+            ours.bytes += theirs.bytes;
+        }
+    }
+
+    /// The median frame: of each stage the median time and the median bytes.
+    ///
+    /// A frame without the stage counts as 0. A stage that only later frames have stands behind the one it followed.
+    ///
+    /// ```
+    /// use std::time::Duration;
+    /// use cellfan::profile::Profile;
+    /// let frames = [1, 9, 2].map(|ms| {
+    ///     let mut frame = Profile::default();
+    ///     frame.add("cull", Duration::from_millis(ms), 100);
+    ///     frame
+    /// });
+    /// assert_eq!(Profile::median(&frames).get("cull").unwrap().duration_ms, 2.0);
+    /// ```
+    #[must_use]
+    pub fn median(frames: &[Self]) -> Self {
+        let mut median = Self::default();
+        for frame in frames {
+            let mut place = 0;
+            for stage in &frame.stages {
+                median.stage(stage.name, place);
+                place = 1 + median.stages.iter().position(|s| s.name == stage.name).unwrap_or(place);
+            }
+        }
+        for stage in &mut median.stages {
+            let of = |value: fn(&StageTime) -> f64| {
+                let mut values: Vec<_> = frames.iter().map(|frame| frame.get(stage.name).map_or(0.0, value)).collect();
+                middle(&mut values).unwrap_or(0.0)
+            };
+            (stage.duration_ms, stage.bytes) = (of(|s| s.duration_ms), of(|s| s.bytes as f64) as u64);
+        }
+        median
+    }
+
+    /// The stage of that name, put in at `place` if it is new.
+    fn stage(&mut self, name: &'static str, place: usize) -> &mut StageTime {
+        let i = self.stages.iter().position(|s| s.name == name).unwrap_or_else(|| {
+            self.stages.insert(place, StageTime { name, duration_ms: 0.0, bytes: 0 });
+            place
+        });
+        &mut self.stages[i]
+    }
+}
+
+/// The median; the mean of the middle two of an even number; none of none.
+fn middle(values: &mut [f64]) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let half = values.len() / 2;
+    match values.len() {
+        0 => None,
+        n if n % 2 == 1 => Some(values[half]),
+        _ => Some(f64::midpoint(values[half - 1], values[half])),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn profile(stages: &[(&'static str, u64, u64)]) -> Profile {
+        let mut profile = Profile::default();
+        for &(name, ms, bytes) in stages {
+            profile.add(name, Duration::from_millis(ms), bytes);
+        }
+        profile
+    }
+
+    #[test]
+    fn stages_keep_their_order_and_add_up() {
+        let mut p = profile(&[("read", 1, 5), ("cull", 2, 0), ("read", 3, 5)]);
+        assert_eq!(p, profile(&[("read", 4, 10), ("cull", 2, 0)]));
+        p.append(&profile(&[("write", 1, 1), ("cull", 1, 1)]));
+        assert_eq!(p, profile(&[("read", 4, 10), ("cull", 3, 1), ("write", 1, 1)]));
+        assert!((p.total_ms() - 8.0).abs() < 1e-12);
+        p.clear();
+        assert_eq!((p.get("cull"), p.stages().len()), (None, 0));
+    }
+
+    #[test]
+    fn time_measures_and_returns() {
+        let mut p = Profile::default();
+        let value: Result<u8, ()> = p.time("cull", || {
+            std::thread::sleep(Duration::from_millis(5));
+            Ok(7)
+        });
+        assert_eq!(value, Ok(7));
+        assert!(p.get("cull").unwrap().duration_ms >= 5.0);
+    }
+
+    #[test]
+    fn median_of_frames() {
+        let a = profile(&[("upload", 50, 900), ("cull", 4, 10), ("draw", 6, 0)]);
+        let b = profile(&[("cull", 8, 20), ("sort", 1, 30), ("draw", 2, 0)]);
+        assert_eq!(Profile::median(&[]), Profile::default());
+        assert_eq!(Profile::median(std::slice::from_ref(&a)), a);
+        // Sort stands behind cull though the first frame had none; a missing stage counts as 0.
+        let mut two = profile(&[("upload", 25, 450), ("cull", 6, 15), ("sort", 0, 15), ("draw", 4, 0)]);
+        two.stages[2].duration_ms = 0.5;
+        assert_eq!(Profile::median(&[a.clone(), b.clone()]), two);
+        let three = profile(&[("upload", 0, 0), ("cull", 8, 20), ("sort", 1, 30), ("draw", 2, 0)]);
+        assert_eq!(Profile::median(&[b.clone(), a, b]), three);
+    }
+}
