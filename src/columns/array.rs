@@ -1,0 +1,80 @@
+//! Named arrays as the file holds them: any numeric type, any number of components, in file order.
+
+use super::Column;
+
+/// Whether an array has one tuple per point or per cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Association {
+    /// One tuple per point of the file.
+    Point,
+    /// One tuple per cell of the file.
+    Cell,
+}
+
+/// A named array in file order, tuples of `components` values one after the other.
+#[derive(Clone, Debug)]
+pub struct Array {
+    /// Its name in the file.
+    pub name: String,
+    /// What it is attached to.
+    pub association: Association,
+    /// Values per tuple; 1 for a scalar.
+    pub components: usize,
+    /// The values.
+    pub values: NumericColumn,
+}
+
+macro_rules! numeric_column {
+    ($($variant:ident $type:ty),*) => {
+        /// A column of any of the numeric types that files use.
+        #[derive(Clone, Debug)]
+        pub enum NumericColumn {
+            $(#[doc = concat!("`", stringify!($type), "` values.")] $variant(Column<$type>)),*
+        }
+
+        impl NumericColumn {
+            /// How many values there are.
+            pub fn len(&self) -> usize {
+                match self { $(Self::$variant(values) => values.len()),* }
+            }
+
+            /// The name of the type, as in Rust.
+            pub fn type_name(&self) -> &'static str {
+                match self { $(Self::$variant(_) => stringify!($type)),* }
+            }
+
+            /// Value `i`, widened.
+            ///
+            /// # Panics
+            /// If `i` is not below the length.
+            #[inline]
+            #[expect(clippy::cast_lossless, reason = "one body for every numeric type")]
+            pub fn get(&self, i: usize) -> f64 {
+                match self { $(Self::$variant(values) => values[i] as f64),* }
+            }
+        }
+
+        $(impl From<Vec<$type>> for NumericColumn {
+            fn from(values: Vec<$type>) -> Self {
+                Self::$variant(values.into())
+            }
+        })*
+    };
+}
+
+numeric_column!(I8 i8, U8 u8, I16 i16, U16 u16, I32 i32, U32 u32, I64 i64, U64 u64, F32 f32, F64 f64);
+
+impl NumericColumn {
+    /// Whether there is no value.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+impl Array {
+    /// How many tuples there are.
+    pub fn tuples(&self) -> usize {
+        self.values.len() / self.components.max(1)
+    }
+}

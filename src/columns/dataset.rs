@@ -1,0 +1,166 @@
+//! `Dataset`: the validated mesh, in blocks of cells that lie together in space.
+
+use std::ops::Range;
+
+use glam::{DVec3, Vec3};
+
+use super::{Array, BitColumn, Column};
+
+/// A box in space; empty when a minimum exceeds its maximum.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// The smallest coordinates, relative to [`Dataset::origin`].
+    pub min: Vec3,
+    /// The largest coordinates.
+    pub max: Vec3,
+}
+
+impl Bounds {
+    /// The box that holds nothing.
+    pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
+
+    /// The smallest box around `self` and `p`.
+    #[must_use]
+    pub fn include(self, p: Vec3) -> Self {
+        Self { min: self.min.min(p), max: self.max.max(p) }
+    }
+
+    /// The smallest box around both.
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// The length of the diagonal.
+    pub fn diagonal_world(self) -> f64 {
+        (self.max.as_dvec3() - self.min.as_dvec3()).length()
+    }
+
+    /// The centre.
+    pub fn center(self) -> DVec3 {
+        (self.max.as_dvec3() + self.min.as_dvec3()) * 0.5
+    }
+
+    /// The eight corners.
+    pub fn corners(self) -> [Vec3; 8] {
+        std::array::from_fn(|i| {
+            let pick = |bit: usize, low: f32, high: f32| if i >> bit & 1 == 0 { low } else { high };
+            Vec3::new(pick(0, self.min.x, self.max.x), pick(1, self.min.y, self.max.y), pick(2, self.min.z, self.max.z))
+        })
+    }
+}
+
+/// What became of the cells of a file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct CellCounts {
+    /// Cells in the file, of any kind.
+    pub in_file: u64,
+    /// Cells left out because they have no volume by their kind (points, lines, faces).
+    pub lower_dimensional: u64,
+    /// Cells left out because `vtkGhostType` hides them or says that another piece owns them.
+    pub ghost: u64,
+    /// Cells of kinds that this version does not draw.
+    pub unsupported: u64,
+    /// Cells with four to eight corners that were split into tetrahedra.
+    pub split: u64,
+    /// Quadratic cells that are drawn by their corners alone.
+    pub quadratic: u64,
+    /// Tetrahedra that were turned because their vertices ran the other way.
+    pub inverted: u64,
+    /// Tetrahedra without volume; they are left out, no ray has a length in them.
+    pub degenerate: u64,
+}
+
+/// A run of cells that lie together in space.
+#[derive(Clone, Debug)]
+pub struct Block {
+    /// Its cells.
+    pub cells: Range<usize>,
+    /// The box around their vertices.
+    pub bounds: Bounds,
+}
+
+/// A validated mesh of tetrahedra: every index in range, every position finite, every cell with a volume.
+///
+/// Cells and vertices stand in spatial (Morton) order; arrays stay in file order and are reached through
+/// [`Dataset::file_from_vertex`] and [`Dataset::file_from_cell`].
+#[derive(Clone, Debug)]
+pub struct Dataset {
+    /// Added to a position, it gives the world position.
+    pub origin: DVec3,
+    /// Vertex positions relative to `origin`.
+    pub positions: Column<[f32; 3]>,
+    /// The four vertices of each cell, ascending: neighbours name a shared face alike.
+    pub tets: Column<[u32; 4]>,
+    /// Whether (b−a)×(c−a)·(d−a) > 0 for the ascending vertices a, b, c, d; decided exactly.
+    pub positive: BitColumn,
+    /// The file's point of each vertex.
+    pub file_from_vertex: Column<u32>,
+    /// The file's cell of each cell; several cells share one where a cell was split.
+    pub file_from_cell: Column<u32>,
+    /// All arrays of the file, in file order.
+    pub arrays: Vec<Array>,
+    /// The cells in runs of [`Dataset::BLOCK_CELLS`], in order.
+    pub blocks: Vec<Block>,
+    /// The box around all cells.
+    pub bounds: Bounds,
+    /// What became of the file's cells.
+    pub counts: CellCounts,
+}
+
+impl Dataset {
+    /// Cells per block (the last has fewer).
+    pub const BLOCK_CELLS: usize = 4096;
+
+    /// Length of the diagonal of the box around all cells, in world units.
+    pub fn diagonal_world(&self) -> f64 {
+        self.bounds.diagonal_world()
+    }
+
+    /// The centre of the box around all cells, in world coordinates.
+    pub fn center_world(&self) -> DVec3 {
+        self.origin + self.bounds.center()
+    }
+
+    /// The eight corners of the box around all cells, in world coordinates.
+    pub fn corners_world(&self) -> [DVec3; 8] {
+        self.bounds.corners().map(|corner| self.origin + corner.as_dvec3())
+    }
+
+    /// The cells of block `block`, as slices.
+    ///
+    /// # Panics
+    /// If there is no such block.
+    pub fn block(&self, block: usize) -> BlockView<'_> {
+        let Block { cells, bounds } = &self.blocks[block];
+        BlockView {
+            base: cells.start,
+            bounds: *bounds,
+            tets: &self.tets[cells.clone()],
+            positions: &self.positions,
+            positive: &self.positive,
+        }
+    }
+}
+
+/// One block as the stages see it: cells are named by their index in the block.
+#[derive(Clone, Copy, Debug)]
+pub struct BlockView<'a> {
+    /// The dataset's index of the block's first cell.
+    pub base: usize,
+    /// The box around the block's vertices.
+    pub bounds: Bounds,
+    /// The block's cells.
+    pub tets: &'a [[u32; 4]],
+    /// All vertex positions.
+    pub positions: &'a [[f32; 3]],
+    positive: &'a BitColumn,
+}
+
+impl BlockView<'_> {
+    /// Whether the ascending vertices of block-local cell `cell` are positively oriented.
+    #[inline]
+    pub fn is_positive(&self, cell: u32) -> bool {
+        self.positive.get(self.base + cell as usize)
+    }
+}
