@@ -1,0 +1,48 @@
+//! Cells: the kinds of cells, their faces, and how they are cut into tetrahedra.
+//!
+//! In: a VTK cell code and the corners of a cell. Out: its [`CellKind`] and, through [`split`], tetrahedra that agree
+//! with those of every neighbour.
+//! To add a kind: a file with its table of faces, its line in [`KINDS`] and, for its higher-order relatives, their
+//! lines in `codes.rs`.
+
+mod canonical;
+mod codes;
+mod hexahedron;
+mod pyramid;
+mod split;
+mod tetrahedron;
+mod voxel;
+mod wedge;
+
+pub use canonical::canonical_from_point;
+pub use codes::{CellClass, Nodes, classify};
+pub use hexahedron::HEXAHEDRON;
+pub use pyramid::PYRAMID;
+pub use split::split;
+pub use tetrahedron::TETRAHEDRON;
+pub use voxel::VOXEL;
+pub use wedge::WEDGE;
+
+/// A kind of cell that has a volume, in VTK's numbering of corners.
+///
+/// ```
+/// # use cellfan::cells::HEXAHEDRON;
+/// assert_eq!((HEXAHEDRON.code, HEXAHEDRON.corners, HEXAHEDRON.faces.len()), (12, 8, 6));
+/// ```
+#[derive(Debug, PartialEq, Eq)]
+pub struct CellKind {
+    /// What it is called in messages.
+    pub name: &'static str,
+    /// Its code in VTK files.
+    pub code: u8,
+    /// How many corners it has.
+    pub corners: usize,
+    /// The corners of each face in VTK's order of faces, counterclockwise seen from outside.
+    pub faces: &'static [&'static [u8]],
+}
+
+/// The kinds that are drawn, by ascending code.
+pub static KINDS: [&CellKind; 5] = [&TETRAHEDRON, &VOXEL, &HEXAHEDRON, &WEDGE, &PYRAMID];
+
+#[cfg(test)]
+mod tests;
