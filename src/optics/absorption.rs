@@ -1,0 +1,53 @@
+//! Absorption: what is left of light that shines through, in four bands: `e^(−∫κ_k dt)`, `κ_k = κ·(r, g, b, 1)_k`.
+//!
+//! Contribution: the optical depth of each band, summed in any order and exponentiated last.
+
+use super::compositing::{Optics, PieceSpan, Piecewise, at, piecewise};
+use super::integral::product_mean;
+use super::lanes::{Contribution, LANES, Segments};
+use super::pieces::{Piece, Pieces};
+
+/// The exact optical depth: κ and the band weights are linear on a piece.
+#[derive(Clone, Copy, Debug)]
+pub struct Absorption<'a> {
+    /// The transfer function.
+    pub pieces: &'a Pieces,
+}
+
+impl Optics for Absorption<'_> {
+    const IS_ORDERED: bool = false;
+    const CLEAR: [f32; 4] = [0.0; 4];
+
+    #[inline(always)]
+    fn contribution(&self, span: PieceSpan, segments: &Segments, out: &mut Contribution) {
+        piecewise::<Self>(self.pieces, span, segments, out);
+    }
+
+    #[inline(always)]
+    fn over(a: [f32; 4], b: [f32; 4]) -> [f32; 4] {
+        [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]]
+    }
+
+    #[inline(always)]
+    fn transmittance(_: [f32; 4]) -> f32 {
+        1.0
+    }
+
+    fn pixel(&self, depths: [f32; 4]) -> [f32; 4] {
+        depths.map(|depth| (-depth).exp())
+    }
+}
+
+impl Piecewise for Absorption<'_> {
+    #[inline(always)]
+    fn of_piece(piece: &Piece, segments: &Segments, out: &mut Contribution) {
+        for i in 0..LANES {
+            let (k0, c0) = at(piece, segments.enter[i]);
+            let (k1, c1) = at(piece, segments.leave[i]);
+            for c in 0..3 {
+                out[c][i] = segments.length_world[i] * product_mean(k0, k1, c0[c], c1[c]);
+            }
+            out[3][i] = segments.length_world[i] * 0.5 * (k0 + k1);
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! What an optical model is to a compositor: segments become contributions, contributions combine along a ray.
+//!
+//! `over` is associative and [`Optics::CLEAR`] is its identity, so a ray may be composited from the front, from the back, or
+//! in parts. An order-free model's `over` commutes.
+
+use super::lanes::{Contribution, LANES, Lanes, Mask, Segments, is_any, mask, max, min, select};
+use super::pieces::{Piece, Pieces};
+
+/// One optical model, for one transfer function.
+pub trait Optics: Sync {
+    /// Whether the order of a ray's segments matters.
+    const IS_ORDERED: bool;
+
+    /// The contribution of nothing.
+    const CLEAR: [f32; 4];
+
+    /// What each lane's segment contributes; `span` holds the pieces that the cell's values touch. A segment of length 0
+    /// contributes [`Self::CLEAR`].
+    fn contribution(&self, span: PieceSpan, segments: &Segments, out: &mut Contribution);
+
+    /// The contribution of two parts of a ray.
+    fn over(front: [f32; 4], back: [f32; 4]) -> [f32; 4];
+
+    /// How much of what lies behind a contribution still shows; 1 for an order-free model.
+    fn transmittance(contribution: [f32; 4]) -> f32;
+
+    /// The pixel of a ray's whole contribution.
+    fn pixel(&self, contribution: [f32; 4]) -> [f32; 4];
+}
+
+/// The pieces of a transfer function that a cell's values touch, both ends included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PieceSpan {
+    /// Piece of the smallest value.
+    pub first: usize,
+    /// Piece of the largest value.
+    pub last: usize,
+}
+
+/// A model whose integral is known where extinction and colour are linear; without extinction nothing shows.
+pub(super) trait Piecewise: Optics {
+    /// What each lane's segment, within one piece, contributes.
+    fn of_piece(piece: &Piece, segments: &Segments, out: &mut Contribution);
+}
+
+/// Cuts segments where they pass from piece to piece and composites the parts.
+#[inline(always)]
+pub(super) fn piecewise<O: Piecewise>(pieces: &Pieces, span: PieceSpan, segments: &Segments, out: &mut Contribution) {
+    if span.first == span.last {
+        O::of_piece(pieces.piece(span.first), segments, out);
+        return;
+    }
+    *out = O::CLEAR.map(|clear| [clear; LANES]);
+    let ramp = Ramp::new(segments);
+    for k in span.first..=span.last {
+        if pieces.piece(k).is_transparent() {
+            continue;
+        }
+        let (part, is_met) = ramp.cut(pieces.start_of(k), pieces.end_of(k));
+        if !is_any(&is_met) {
+            continue;
+        }
+        let mut added = [[0.0; LANES]; 4];
+        O::of_piece(pieces.piece(k), &part, &mut added);
+        for i in 0..LANES {
+            let so_far = [out[0][i], out[1][i], out[2][i], out[3][i]];
+            let added = [added[0][i], added[1][i], added[2][i], added[3][i]];
+            // Pieces are visited by rising value: along a falling ray each one lies in front of those before it.
+            let (behind, ahead) = (O::over(so_far, added), O::over(added, so_far));
+            for c in 0..4 {
+                out[c][i] = select(ramp.is_rising[i], behind[c], ahead[c]);
+            }
+        }
+    }
+}
+
+/// Segments, ready to be cut at values: their length is spread evenly between their end values.
+struct Ramp<'a> {
+    segments: &'a Segments,
+    is_rising: Mask,
+    is_flat: Mask,
+    /// World length per unit of value; 0 where the value does not change.
+    length_per_value: Lanes,
+}
+
+impl<'a> Ramp<'a> {
+    #[inline(always)]
+    fn new(segments: &'a Segments) -> Self {
+        let mut ramp = Self { segments, is_rising: [0; LANES], is_flat: [0; LANES], length_per_value: [0.0; LANES] };
+        for i in 0..LANES {
+            let (enter, leave, length) = (segments.enter[i], segments.leave[i], segments.length_world[i]);
+            let height = (leave - enter).abs();
+            // A height so small that the quotient overflows is as good as none.
+            let slope = length / height;
+            let is_steep = mask(slope < f32::MAX);
+            ramp.is_rising[i] = mask(leave >= enter);
+            ramp.is_flat[i] = !is_steep;
+            ramp.length_per_value[i] = select(is_steep, slope, 0.0);
+        }
+        ramp
+    }
+
+    /// The parts whose values lie in `[start, end)`, and the lanes that have one; a segment of one value belongs to the piece
+    /// that holds it.
+    #[inline(always)]
+    fn cut(&self, start: f32, end: f32) -> (Segments, Mask) {
+        let mut part = *self.segments;
+        let mut is_met = [0; LANES];
+        for i in 0..LANES {
+            let (enter, leave) = (self.segments.enter[i], self.segments.leave[i]);
+            let (a, b) = (min(max(enter, start), end), min(max(leave, start), end));
+            let holds = self.is_flat[i] & mask(enter >= start) & mask(enter < end);
+            let length = (b - a).abs() * self.length_per_value[i] + select(holds, self.segments.length_world[i], 0.0);
+            part.enter[i] = a;
+            part.leave[i] = b;
+            part.length_world[i] = length;
+            is_met[i] = mask(length > 0.0);
+        }
+        (part, is_met)
+    }
+}
+
+/// Extinction and colour of a piece at value `s`.
+#[inline(always)]
+pub(super) fn at(piece: &Piece, s: f32) -> (f32, [f32; 3]) {
+    let t = s - piece.start;
+    let extinction = piece.extinction + t * piece.extinction_slope;
+    let (c, d) = (&piece.color, &piece.color_slope);
+    (max(extinction, 0.0), [c[0] + t * d[0], c[1] + t * d[1], c[2] + t * d[2]])
+}
