@@ -1,0 +1,161 @@
+//! From an [`UnstructuredMesh`] to tetrahedra: check, leave out, split.
+//!
+//! In: cells of any kinds in file order. Out: [`TetMesh`], every index in range, and the counts of what became of the
+//! cells. A mesh of tetrahedra keeps its points; cells with more corners are split by [`cells::split`].
+
+use super::UnstructuredMesh;
+use crate::cells::{self, CellClass, CellKind, Nodes};
+use crate::columns::{Array, Association, CellCounts, Dataset, TetMesh};
+use crate::error::{Error, Result};
+
+// The bits of vtkGhostType that leave something out; of a cell: another piece owns it, or it is hidden.
+const DUPLICATE_CELL: u8 = 1;
+const HIDDEN_CELL: u8 = 32;
+// Of a point: every cell that uses it is left out.
+const HIDDEN_POINT: u8 = 2;
+
+impl UnstructuredMesh {
+    /// Checks the mesh and cuts it into tetrahedra.
+    ///
+    /// # Errors
+    /// [`Error::LengthMismatch`] where offsets, types or arrays do not fit each other, [`Error::IndexOutOfRange`], and
+    /// [`Error::TooLarge`].
+    pub fn into_tets(self) -> Result<TetMesh> {
+        check(&self)?;
+        let hidden = Hidden::of(&self.arrays);
+        let mut counts = CellCounts { in_file: self.cells() as u64, ..CellCounts::default() };
+        let mut canonical_from_point = Vec::new();
+        let (mut tets, mut file_from_tet) = (Vec::new(), Vec::new());
+        for (cell, &code) in self.types.iter().enumerate() {
+            let corners = corners_of(&self, cell)?;
+            let (kind, nodes) = match cells::classify(code) {
+                CellClass::Unsupported(name) => {
+                    if counts.unsupported == 0 {
+                        tracing::warn!(cell, code, kind = name, "cells of this kind are not drawn");
+                    }
+                    counts.unsupported += 1;
+                    continue;
+                }
+                CellClass::LowerDimensional => {
+                    check_indices(&self, cell, corners)?;
+                    counts.lower_dimensional += 1;
+                    continue;
+                }
+                CellClass::Volume { kind, nodes } => (kind, nodes),
+            };
+            check_indices(&self, cell, corners)?;
+            check_nodes(kind, nodes, cell, corners.len())?;
+            if hidden.cell(cell) || corners.iter().any(|&point| hidden.point(point)) {
+                counts.ghost += 1;
+                continue;
+            }
+            counts.quadratic += u64::from(nodes != Nodes::Linear);
+            if kind.corners == 4 {
+                tets.push([corners[0], corners[1], corners[2], corners[3]]);
+                file_from_tet.push(cell as u32);
+                continue;
+            }
+            counts.split += 1;
+            if canonical_from_point.is_empty() {
+                canonical_from_point = cells::canonical_from_point(&self.points);
+            }
+            cells::split(
+                kind,
+                corners,
+                |point| canonical_from_point[point as usize],
+                |tet| {
+                    tets.push(tet);
+                    file_from_tet.push(cell as u32);
+                },
+            );
+        }
+        let Self { points, arrays, .. } = self;
+        Ok(TetMesh { points, tets, file_from_tet, arrays, counts })
+    }
+
+    /// Checks the mesh, cuts it into tetrahedra and brings them into the order in which they are drawn.
+    ///
+    /// # Errors
+    /// Those of [`UnstructuredMesh::into_tets`] and [`Dataset::from_tets`].
+    pub fn into_dataset(self) -> Result<Dataset> {
+        Dataset::from_tets(self.into_tets()?)
+    }
+}
+
+fn check(mesh: &UnstructuredMesh) -> Result<()> {
+    let (points, cells) = (mesh.points.len() as u64, mesh.types.len() as u64);
+    let limit = u64::from(u32::MAX) - 1;
+    for (column, len) in [("points", points), ("cells", cells)] {
+        if len > limit {
+            return Err(Error::TooLarge { column, len, limit });
+        }
+    }
+    let mismatch = |column: String, len, expected| Err(Error::LengthMismatch { column, len, expected });
+    if mesh.offsets.len() as u64 != cells + 1 {
+        return mismatch("offsets".to_owned(), mesh.offsets.len() as u64, cells + 1);
+    }
+    for array in &mesh.arrays {
+        let tuples = if array.association == Association::Point { points } else { cells };
+        let expected = tuples.saturating_mul(array.components as u64);
+        if array.values.len() as u64 != expected {
+            return mismatch(format!("array {:?}", array.name), array.values.len() as u64, expected);
+        }
+    }
+    Ok(())
+}
+
+fn corners_of(mesh: &UnstructuredMesh, cell: usize) -> Result<&[u32]> {
+    mesh.cell(cell).ok_or_else(|| {
+        let (start, end) = (mesh.offsets[cell], mesh.offsets[cell + 1]);
+        let column = format!("connectivity (cell {cell} takes entries {start} to {end} of it)");
+        Error::LengthMismatch { column, len: mesh.connectivity.len() as u64, expected: end.max(start) }
+    })
+}
+
+fn check_indices(mesh: &UnstructuredMesh, cell: usize, corners: &[u32]) -> Result<()> {
+    let len = mesh.points.len() as u64;
+    match corners.iter().find(|&&point| u64::from(point) >= len) {
+        Some(&index) => {
+            Err(Error::IndexOutOfRange { column: "connectivity", cell: cell as u64, index: index.into(), len })
+        }
+        None => Ok(()),
+    }
+}
+
+fn check_nodes(kind: &CellKind, nodes: Nodes, cell: usize, found: usize) -> Result<()> {
+    if nodes.accept(kind, found) {
+        return Ok(());
+    }
+    let column = format!("cell {cell} ({})", kind.name);
+    Err(Error::LengthMismatch { column, len: found as u64, expected: nodes.least(kind) as u64 })
+}
+
+/// What the ghost arrays of a mesh hide.
+struct Hidden<'a> {
+    types: Option<&'a Array>,
+    levels: Option<&'a Array>,
+    points: Option<&'a Array>,
+}
+
+impl<'a> Hidden<'a> {
+    fn of(arrays: &'a [Array]) -> Self {
+        let find = |name: &str, association| {
+            arrays.iter().find(|a| a.name == name && a.association == association && a.components == 1)
+        };
+        Self {
+            types: find("vtkGhostType", Association::Cell),
+            // The older convention: how many cells away the piece is that owns the cell.
+            levels: find("vtkGhostLevels", Association::Cell),
+            points: find("vtkGhostType", Association::Point),
+        }
+    }
+
+    fn cell(&self, cell: usize) -> bool {
+        self.types.is_some_and(|array| array.values.get(cell) as u8 & (DUPLICATE_CELL | HIDDEN_CELL) != 0)
+            || self.levels.is_some_and(|array| array.values.get(cell) > 0.0)
+    }
+
+    fn point(&self, point: u32) -> bool {
+        self.points.is_some_and(|array| array.values.get(point as usize) as u8 & HIDDEN_POINT != 0)
+    }
+}

@@ -1,0 +1,148 @@
+//! The table of formats: those that are read, and those that are known and refused by name.
+
+use std::path::Path;
+
+use super::{UnstructuredMesh, read_pvtu, read_vtk, read_vtu};
+use crate::error::{Error, Result};
+
+/// A format that is read.
+#[derive(Debug)]
+pub struct Format {
+    /// What it is called.
+    pub name: &'static str,
+    /// Extensions of its files, in lower case.
+    pub extensions: &'static [&'static str],
+    /// Whether a file that begins like this is of the format, whatever it is called.
+    pub recognises: fn(&[u8]) -> bool,
+    /// Reads the bytes of a file with a name.
+    pub read: fn(&[u8], &Path) -> Result<UnstructuredMesh>,
+}
+
+/// A format that is known and not read.
+#[derive(Debug)]
+pub struct Refused {
+    /// What it is called.
+    pub name: &'static str,
+    /// Extensions of its files, in lower case.
+    pub extensions: &'static [&'static str],
+    /// How its files begin; empty where they may begin with anything.
+    pub magic: &'static [u8],
+    /// What to do instead.
+    pub advice: &'static str,
+}
+
+/// How many bytes at the beginning of a file decide on its format.
+pub const HEAD_BYTES: usize = 4096;
+
+/// The formats that are read.
+pub const READ: &[Format] = &[
+    Format {
+        name: "VTK XML unstructured grid",
+        extensions: &["vtu"],
+        recognises: |bytes| xml_type(bytes).is_some_and(|kind| kind == b"UnstructuredGrid"),
+        read: read_vtu,
+    },
+    Format {
+        name: "VTK XML parallel unstructured grid",
+        extensions: &["pvtu"],
+        recognises: |bytes| xml_type(bytes).is_some_and(|kind| kind == b"PUnstructuredGrid"),
+        read: read_pvtu,
+    },
+    Format {
+        name: "VTK legacy",
+        extensions: &["vtk"],
+        recognises: |bytes| bytes.starts_with(b"# vtk DataFile"),
+        read: read_vtk,
+    },
+];
+
+const TO_VTU: &str = "convert it to .vtu, for example with ParaView or meshio";
+const GRID_TO_VTU: &str = "convert it to an unstructured grid (.vtu), for example with ParaView's \"Append Datasets\"";
+
+const fn refused(name: &'static str, extensions: &'static [&'static str], advice: &'static str) -> Refused {
+    Refused { name, extensions, magic: b"", advice }
+}
+
+/// The formats that are refused by name.
+pub const REFUSED: &[Refused] = &[
+    Refused { magic: b"\x1f\x8b", ..refused("gzip-compressed data", &[], "uncompress it first (gunzip)") },
+    Refused { magic: b"PK\x03\x04", ..refused("a zip archive", &["zip"], "unpack it first") },
+    Refused { magic: b"CDF\x01", ..refused("Exodus II (NetCDF)", &["ex2", "exo", "exii", "e", "g", "gen"], TO_VTU) },
+    Refused { magic: b"CDF\x02", ..refused("NetCDF", &["nc", "ncdf"], TO_VTU) },
+    refused("CGNS", &["cgns"], TO_VTU),
+    refused("VTKHDF", &["vtkhdf"], TO_VTU),
+    Refused { magic: b"\x89HDF", ..refused("HDF5", &["h5", "hdf", "hdf5"], TO_VTU) },
+    refused("NIfTI", &["nii"], GRID_TO_VTU),
+    Refused { magic: b"NRRD", ..refused("NRRD", &["nrrd", "nhdr"], GRID_TO_VTU) },
+    refused("a VolVis volume (SLC)", &["slc"], GRID_TO_VTU),
+    refused("a MetaImage volume", &["mhd", "mha"], GRID_TO_VTU),
+    refused("a raw volume", &["raw"], GRID_TO_VTU),
+    refused("a VTK XML structured grid", &["vts", "pvts"], GRID_TO_VTU),
+    refused("a VTK XML rectilinear grid", &["vtr", "pvtr"], GRID_TO_VTU),
+    refused("a VTK XML image", &["vti", "pvti"], GRID_TO_VTU),
+    refused("a VTK XML surface", &["vtp", "pvtp"], "cellfan draws cells with a volume"),
+    refused("a VTK collection", &["vtm", "pvd"], "open one of the files it names"),
+    refused("PLOT3D", &["xyz", "q", "x", "p3d", "bin"], GRID_TO_VTU),
+    Refused { magic: b"$MeshFormat", ..refused("Gmsh", &["msh"], TO_VTU) },
+    Refused { magic: b"MeshVersionFormatted", ..refused("Medit", &["mesh", "meshb"], TO_VTU) },
+    refused("OpenFOAM", &["foam"], "convert it with foamToVTK"),
+    refused("OFF", &["off"], TO_VTU),
+    refused("Abaqus", &["inp"], TO_VTU),
+    refused("Ensight", &["case"], TO_VTU),
+    refused("XDMF", &["xdmf", "xmf"], TO_VTU),
+    refused("TetGen", &["node", "ele"], TO_VTU),
+    refused("a SCIRun field", &["fld"], TO_VTU),
+    refused("a Spark98 pack file", &["pack"], TO_VTU),
+    refused("a surface", &["stl", "obj", "ply"], "cellfan draws cells with a volume"),
+];
+
+/// The format of a file: by how it begins, else by its extension.
+///
+/// # Errors
+/// [`Error::Unsupported`] with the format's name, if it has one, and what to do.
+///
+/// ```
+/// # use cellfan::io::formats::find;
+/// assert_eq!(find(b"# vtk DataFile Version 3.0", "any.name".as_ref()).unwrap().name, "VTK legacy");
+/// assert!(find(b"", "can.ex2".as_ref()).unwrap_err().to_string().contains("Exodus"));
+/// ```
+pub fn find(bytes: &[u8], path: &Path) -> Result<&'static Format> {
+    let extension_of = |path: &Path| path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let extension = match extension_of(path).as_str() {
+        // mesh.nii.gz is called by what is in it.
+        "gz" => extension_of(path.file_stem().unwrap_or_default().as_ref()),
+        extension => extension.to_owned(),
+    };
+    let refuse = |format: &Refused| {
+        let (what, advice) = (format.name.to_owned(), format.advice.to_owned());
+        Error::Unsupported { path: path.to_owned(), what, advice }
+    };
+    if let Some(format) = READ.iter().find(|format| (format.recognises)(bytes)) {
+        return Ok(format);
+    }
+    let begins = |format: &&Refused| !format.magic.is_empty() && bytes.starts_with(format.magic);
+    let is_called = |format: &&Refused| format.extensions.contains(&extension.as_str());
+    if let Some(format) = REFUSED.iter().find(is_called) {
+        return Err(refuse(format));
+    }
+    if let Some(format) = REFUSED.iter().find(begins) {
+        return Err(refuse(format));
+    }
+    if let Some(format) = READ.iter().find(|format| format.extensions.contains(&extension.as_str())) {
+        return Ok(format);
+    }
+    let known: Vec<String> = READ.iter().map(|f| format!("{} (.{})", f.name, f.extensions.join(", ."))).collect();
+    let what = "a file that is no mesh by its first bytes or its extension".to_owned();
+    Err(Error::Unsupported { path: path.to_owned(), what, advice: format!("give one of: {}", known.join(", ")) })
+}
+
+/// The `type` of the `VTKFile` element near the beginning of a file.
+fn xml_type(bytes: &[u8]) -> Option<&[u8]> {
+    let head = &bytes[..bytes.len().min(HEAD_BYTES)];
+    let after = |text: &[u8], what: &[u8]| text.windows(what.len()).position(|window| window == what);
+    let tag = &head[after(head, b"<VTKFile")?..];
+    let tag = &tag[..tag.iter().position(|&byte| byte == b'>')?];
+    let value = tag[after(tag, b"type=")? + 5..].trim_ascii_start();
+    let (&quote, value) = value.split_first()?;
+    Some(&value[..value.iter().position(|&byte| byte == quote)?])
+}

@@ -1,0 +1,139 @@
+//! `UnstructuredMesh`: cells of any kinds in file order, as VTK's unstructured grids hold them.
+
+use super::numbers;
+use crate::columns::{Array, Association, Points, TetMesh};
+use crate::error::{Error, Result};
+
+/// An unstructured grid in file order; nothing in it has been checked against anything else.
+///
+/// ```
+/// # use cellfan::{columns::Points, io::UnstructuredMesh};
+/// let mesh = UnstructuredMesh {
+///     points: Points::F32(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]),
+///     types: vec![10],
+///     offsets: vec![0, 4],
+///     connectivity: vec![0, 1, 2, 3],
+///     arrays: Vec::new(),
+/// };
+/// assert_eq!(mesh.into_dataset().unwrap().tets.len(), 1);
+/// ```
+#[derive(Clone, Debug)]
+pub struct UnstructuredMesh {
+    /// All points of the file.
+    pub points: Points,
+    /// VTK's code of each cell.
+    pub types: Vec<u8>,
+    /// Where in `connectivity` each cell begins, and the end: one entry more than there are cells.
+    pub offsets: Vec<u64>,
+    /// The points of the cells, one cell after the other.
+    pub connectivity: Vec<u32>,
+    /// Arrays over the points and cells.
+    pub arrays: Vec<Array>,
+}
+
+impl UnstructuredMesh {
+    /// A mesh without points and cells.
+    pub fn empty() -> Self {
+        let (types, connectivity, arrays) = (Vec::new(), Vec::new(), Vec::new());
+        Self { points: Points::F32(Vec::new()), types, offsets: vec![0], connectivity, arrays }
+    }
+
+    /// How many cells there are, of any kind.
+    pub fn cells(&self) -> usize {
+        self.types.len()
+    }
+
+    /// The points of cell `cell`; `None` where the offsets do not give any.
+    pub fn cell(&self, cell: usize) -> Option<&[u32]> {
+        let start = usize::try_from(*self.offsets.get(cell)?).ok()?;
+        let end = usize::try_from(*self.offsets.get(cell.checked_add(1)?)?).ok()?;
+        self.connectivity.get(start..end)
+    }
+
+    /// The array of that name and association, if there is one.
+    pub fn array(&self, name: &str, association: Association) -> Option<&Array> {
+        self.arrays.iter().find(|array| array.name == name && array.association == association)
+    }
+
+    /// Tetrahedra as a mesh that can be written; cell arrays are repeated where a file's cell was split.
+    pub fn from_tets(mesh: &TetMesh) -> Self {
+        let TetMesh { points, tets, file_from_tet, arrays, .. } = mesh;
+        let array = |array: &Array| match array.association {
+            Association::Point => array.clone(),
+            Association::Cell => {
+                let values = numbers::gather(&array.values, array.components, file_from_tet);
+                Array { values, ..array.clone() }
+            }
+        };
+        Self {
+            points: points.clone(),
+            types: vec![10; tets.len()],
+            offsets: (0..=tets.len() as u64).map(|tet| 4 * tet).collect(),
+            connectivity: tets.as_flattened().to_vec(),
+            arrays: arrays.iter().map(array).collect(),
+        }
+    }
+
+    /// The pieces as one mesh, in order; arrays that not all pieces have are left out.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`] where the points are more than `u32` can name.
+    pub fn concat(mut pieces: Vec<Self>) -> Result<Self> {
+        if pieces.len() > 1 {
+            pieces.retain(|piece| !piece.points.is_empty() || !piece.types.is_empty());
+        }
+        match pieces.len() {
+            0 => return Ok(Self::empty()),
+            1 => return Ok(pieces.swap_remove(0)),
+            _ => {}
+        }
+        let len = pieces.iter().map(|piece| piece.points.len() as u64).sum();
+        let limit = u64::from(u32::MAX) - 1;
+        if len > limit {
+            return Err(Error::TooLarge { column: "points", len, limit });
+        }
+        let mut all = Self { points: concat_points(&pieces), arrays: concat_arrays(&pieces), ..Self::empty() };
+        let mut first_point = 0;
+        for piece in pieces {
+            let base = all.connectivity.len() as u64;
+            all.types.extend(piece.types);
+            all.offsets.extend(piece.offsets.iter().skip(1).map(|offset| base.saturating_add(*offset)));
+            // An index beyond its piece must not come to name a point of the next one.
+            let points = piece.points.len() as u32;
+            let shift = |&index: &u32| if index < points { first_point + index } else { u32::MAX };
+            all.connectivity.extend(piece.connectivity.iter().map(shift));
+            first_point += points;
+        }
+        Ok(all)
+    }
+}
+
+fn concat_points(pieces: &[UnstructuredMesh]) -> Points {
+    let single = |piece: &UnstructuredMesh| match &piece.points {
+        Points::F32(points) => Some(points.clone()),
+        Points::F64(_) => None,
+    };
+    if let Some(parts) = pieces.iter().map(single).collect::<Option<Vec<_>>>() {
+        return Points::F32(parts.concat());
+    }
+    let all = pieces.iter().flat_map(|piece| (0..piece.points.len()).map(|i| piece.points.get(i).to_array()));
+    Points::F64(all.collect())
+}
+
+fn concat_arrays(pieces: &[UnstructuredMesh]) -> Vec<Array> {
+    let mut arrays = Vec::new();
+    for array in &pieces[0].arrays {
+        let Array { name, association, components, .. } = array;
+        let same = |piece: &UnstructuredMesh| {
+            let found = piece.array(name, *association)?.clone();
+            (found.components == *components).then_some(found)
+        };
+        if let Some(parts) = pieces.iter().map(same).collect::<Option<Vec<_>>>() {
+            let values = numbers::concat(&parts.iter().map(|part| &part.values).collect::<Vec<_>>());
+            arrays.push(Array { values, ..array.clone() });
+        } else {
+            tracing::warn!(array = name, "not in every piece, left out");
+        }
+    }
+    arrays
+}

@@ -1,0 +1,30 @@
+//! `Source`: the file that a reader is in, for its messages.
+
+use std::path::Path;
+
+use crate::error::Error;
+
+/// The name under which errors are reported.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Source<'a> {
+    pub(super) path: &'a Path,
+}
+
+impl Source<'_> {
+    /// The file breaks its format's rules at `place`.
+    pub(super) fn malformed(self, place: impl Into<String>, problem: impl Into<String>) -> Error {
+        Error::Malformed { path: self.path.to_owned(), place: place.into(), problem: problem.into() }
+    }
+
+    /// The file holds something that is not read.
+    pub(super) fn unsupported(self, what: impl Into<String>, advice: impl Into<String>) -> Error {
+        Error::Unsupported { path: self.path.to_owned(), what: what.into(), advice: advice.into() }
+    }
+}
+
+/// At most 40 characters of a piece of the file, quoted for a message.
+pub(super) fn quote(text: &[u8]) -> String {
+    let shown = String::from_utf8_lossy(&text[..text.len().min(160)]);
+    let short: String = shown.chars().take(40).collect();
+    if short.len() < text.len() { format!("{short:?}…") } else { format!("{short:?}") }
+}
