@@ -1,0 +1,150 @@
+//! `cull`: drop the cells that cannot show.
+//!
+//! In: a block, its scalars, a [`CullTable`]. Out: `cell_from_visible`, ascending. Drops a cell only if its extinction is 0
+//! on its whole value interval (`CellFast`, "Culling") or one of its values is NaN. O(1) a cell: two table reads.
+
+use crate::columns::{Association, BlockView, Field};
+use crate::optics::{CullTable, Pieces};
+use crate::stages::ScreenVertex;
+
+/// Smallest and largest stored value of a cell; NaN in either where a value is NaN.
+#[inline]
+pub fn value_interval(scalars: [f32; 4]) -> (f32, f32) {
+    let [a, b, c, d] = scalars;
+    let low = if a < b { a } else { b };
+    let high = if a < b { b } else { a };
+    let low2 = if c < d { c } else { d };
+    let high2 = if c < d { d } else { c };
+    // A comparison with NaN is false, so a NaN can hide behind a number: the sum shows it.
+    let nan = (a * 0.0 + b * 0.0) + (c * 0.0 + d * 0.0);
+    (if low < low2 { low } else { low2 } + nan, if high > high2 { high } else { high2 } + nan)
+}
+
+/// The four scalars of block-local cell `cell`.
+#[inline]
+pub fn cell_scalars(block: &BlockView, field: &Field, screen: &[ScreenVertex], cell: u32) -> [f32; 4] {
+    match field.association {
+        Association::Point => block.tets[cell as usize].map(|v| screen[v as usize].scalar),
+        Association::Cell => [field.values[block.base + cell as usize]; 4],
+    }
+}
+
+/// Appends the block-local cells that can show to `cell_from_visible`; returns how many were transparent and invalid.
+pub fn cull(
+    block: &BlockView,
+    field: &Field,
+    screen: &[ScreenVertex],
+    (pieces, table): (&Pieces, &CullTable),
+    cell_from_visible: &mut Vec<u32>,
+) -> Culled {
+    let mut culled = Culled::default();
+    for cell in 0..block.tets.len() as u32 {
+        let (low, high) = value_interval(cell_scalars(block, field, screen, cell));
+        if low.is_nan() {
+            culled.invalid += 1;
+        } else if table.is_transparent(pieces, low, high) {
+            culled.transparent += 1;
+        } else {
+            cell_from_visible.push(cell);
+        }
+    }
+    culled
+}
+
+/// How many cells `cull` dropped, and why.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Culled {
+    /// No extinction on the cell's whole value interval.
+    pub transparent: u64,
+    /// A value that is not finite.
+    pub invalid: u64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::columns::Dataset;
+    use crate::generate::{Settings, delaunay};
+    use crate::optics::{ControlPoint, Model, TransferFunction};
+    use crate::stages::View;
+    use crate::stages::project::{project, scene_vertices};
+    use crate::stages::testing::{Random, views};
+
+    #[test]
+    fn the_interval_is_the_smallest_and_largest_value() {
+        let values = [3.0, -1.0, 2.0, 0.5];
+        for turn in 0..4 {
+            let mut turned = values;
+            turned.rotate_left(turn);
+            assert_eq!(value_interval(turned), (-1.0, 3.0));
+            turned[turn] = f32::NAN;
+            assert!(value_interval(turned).0.is_nan() && value_interval(turned).1.is_nan());
+        }
+    }
+
+    /// Three to eight points at odd multiples of 1/64, which no value of the mesh meets; half without extinction.
+    fn random_transfer(random: &mut Random) -> TransferFunction {
+        let mut values: Vec<u32> =
+            (0..3 + (random.unit() * 6.0) as u32).map(|_| (random.unit() * 32.0) as u32).collect();
+        values.sort_unstable();
+        values.dedup();
+        let point = |value: u32| {
+            let extinction = if random.unit() < 0.5 { 0.0 } else { random.unit() };
+            ControlPoint { value: f64::from(2 * value + 1) / 64.0, color: [1.0; 3], extinction }
+        };
+        TransferFunction::new(values.into_iter().map(point).collect()).unwrap()
+    }
+
+    /// The slow twin: extinction at both ends and at every control point between them; linear elsewhere.
+    fn is_transparent(transfer: &TransferFunction, values: [f64; 4]) -> bool {
+        let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(low, high), &s| (low.min(s), high.max(s)));
+        let between = transfer.points().iter().map(|point| point.value).filter(|&value| low < value && value < high);
+        between.chain([low, high]).all(|value| transfer.eval(value).extinction == 0.0)
+    }
+
+    #[test]
+    fn cells_are_dropped_as_their_slow_twin_says_and_nan_is_counted() {
+        let mut random = Random::new(1);
+        let mesh = delaunay(&Settings { cells: 10_000, ..Settings::default() }).unwrap();
+        let dataset = Dataset::from_tets(mesh).unwrap();
+        let mut field = dataset.homogeneous_field();
+        field.association = Association::Point;
+        // From −0.05 to 1.1: some values below the first control point, some above the last.
+        let smooth = |p: &[f32; 3]| (p[0] - 0.5).hypot(p[1] - 0.5) * 1.6 - 0.05 + p[2] * 0.02;
+        field.values = dataset.positions.iter().map(smooth).collect();
+        for i in (0..field.values.len()).step_by(211) {
+            field.values[i] = if i % 2 == 0 { f32::NAN } else { f32::INFINITY };
+        }
+        let (mut screen, view): (_, View) = (Vec::new(), views(&dataset, 64, 64)[0]);
+        project(&view, &scene_vertices(&dataset, &field), &mut screen);
+        let (mut dropped, mut kept) = (0, 0);
+        for _ in 0..50 {
+            let transfer = random_transfer(&mut random);
+            let pieces = transfer.pieces(0.0);
+            let table = CullTable::new(&pieces, Model::EmissionAbsorption);
+            let (mut expected, mut slow) = (Vec::new(), Culled::default());
+            let (mut visible, mut culled) = (Vec::new(), Culled::default());
+            for block in (0..dataset.blocks.len()).map(|block| dataset.block(block)) {
+                for (cell, tet) in block.tets.iter().enumerate() {
+                    let values = tet.map(|v| f64::from(field.values[v as usize]));
+                    if values.iter().any(|value| !value.is_finite()) {
+                        slow.invalid += 1;
+                    } else if is_transparent(&transfer, values) {
+                        slow.transparent += 1;
+                    } else {
+                        expected.push(cell as u32);
+                    }
+                }
+                let of_block = cull(&block, &field, &screen, (&pieces, &table), &mut visible);
+                culled.invalid += of_block.invalid;
+                culled.transparent += of_block.transparent;
+            }
+            assert_eq!(culled, slow, "{transfer:?}");
+            assert!(visible == expected, "{transfer:?}");
+            assert!(culled.invalid > 100);
+            dropped += culled.transparent;
+            kept += visible.len();
+        }
+        assert!(dropped > 10_000 && kept > 10_000, "{dropped} dropped, {kept} kept");
+    }
+}

@@ -1,0 +1,136 @@
+//! `footprints`: what a tile compositor needs of a cell, without triangles.
+//!
+//! In: visible cells of a block, projected vertices, the view. Out: [`PixelBox`]es (here), and, sixteen cells at a time, face
+//! planes, scalar gradient and value interval relative to a tile ([`planes`]).
+//!
+//! At a pixel, a convex cell is entered through the farthest front-facing plane (the smallest v) and left through the nearest
+//! back-facing one (the largest v); it is met where entry comes first. With v = 1/w each plane is affine in picture
+//! coordinates, on both sides of the eye, so that nothing is cut at the near plane.
+
+pub mod planes;
+
+use glam::{Vec2, Vec3};
+
+use crate::columns::{BlockView, Bounds};
+use crate::stages::{PixelProjection, SceneVertex, ScreenVertex, View};
+
+/// The pixels of a box: columns `x0..x1`, rows `y0..y1` (ends exclusive).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PixelBox {
+    /// First column.
+    pub x0: u16,
+    /// Column after the last.
+    pub x1: u16,
+    /// First row.
+    pub y0: u16,
+    /// Row after the last.
+    pub y1: u16,
+}
+
+/// What maps cells to pixel boxes for one view.
+#[derive(Clone, Copy, Debug)]
+pub struct PixelBoxes {
+    projection: PixelProjection,
+    near: f32,
+    far: f32,
+    size_px: Vec2,
+    pad_px: f32,
+}
+
+impl PixelBoxes {
+    /// For one view.
+    pub fn new(view: &View) -> Self {
+        let size_px = Vec2::from_array(view.size_px.map(|side| side as f32));
+        // A projected coordinate is rounded by a few ulp of the picture's side: 1e-3 pixel covers it up to 1024.
+        let pad_px = 1e-3 * (size_px.max_element() / 1024.0).max(1.0);
+        Self { projection: view.projection(), near: view.near, far: view.far, size_px, pad_px }
+    }
+
+    /// The pixels whose centres the cell may cover; `None` if there is none.
+    #[inline]
+    pub fn of_cell(&self, tet: [u32; 4], vertices: &[SceneVertex], screen: &[ScreenVertex]) -> Option<PixelBox> {
+        let corners = tet.map(|v| screen[v as usize]);
+        let nearest = corners.iter().fold(f32::INFINITY, |near, corner| near.min(corner.depth));
+        if nearest < self.near {
+            return self.across_near(tet.map(|v| vertices[v as usize].position), corners.map(|c| c.depth));
+        }
+        let [a, b, c, d] = corners.map(|corner| corner.xy());
+        if nearest > self.far { None } else { self.around(a.min(b).min(c.min(d)), a.max(b).max(c.max(d))) }
+    }
+
+    /// Appends the cells among `cell_from_visible` that may cover a pixel centre, and their boxes.
+    pub fn of_cells(
+        &self,
+        block: &BlockView,
+        vertices: &[SceneVertex],
+        screen: &[ScreenVertex],
+        cell_from_visible: &[u32],
+        cell_from_projected: &mut Vec<u32>,
+        boxes: &mut Vec<PixelBox>,
+    ) {
+        for &cell in cell_from_visible {
+            if let Some(pixels) = self.of_cell(block.tets[cell as usize], vertices, screen) {
+                cell_from_projected.push(cell);
+                boxes.push(pixels);
+            }
+        }
+    }
+
+    /// Whether nothing in `bounds` can be seen: all before the near plane, beyond the far one, or beside the picture.
+    pub fn misses(&self, bounds: Bounds, view: &View) -> bool {
+        let scale = view.world_per_scene.recip() as f32;
+        let corners = bounds.corners().map(|corner| self.projection.project(corner * scale));
+        let nearest = corners.iter().fold(f32::INFINITY, |near, corner| near.min(corner.z));
+        let farthest = corners.iter().fold(f32::NEG_INFINITY, |far, corner| far.max(corner.z));
+        if farthest < self.near || nearest > self.far {
+            return true;
+        }
+        if nearest < self.near {
+            return false;
+        }
+        let low = corners.iter().fold(Vec2::INFINITY, |low, corner| low.min(corner.truncate()));
+        let high = corners.iter().fold(Vec2::NEG_INFINITY, |high, corner| high.max(corner.truncate()));
+        self.around(low - Vec2::ONE, high + Vec2::ONE).is_none()
+    }
+
+    /// The box around the part of a cell that lies behind the near plane.
+    fn across_near(&self, positions: [[f32; 3]; 4], depths: [f32; 4]) -> Option<PixelBox> {
+        let mut low = Vec2::INFINITY;
+        let mut high = Vec2::NEG_INFINITY;
+        let mut include = |p: Vec3| {
+            let p = self.projection.project(p).truncate();
+            (low, high) = (low.min(p), high.max(p));
+        };
+        for i in 0..4 {
+            if depths[i] < self.near {
+                continue;
+            }
+            let inside = Vec3::from_array(positions[i]);
+            include(inside);
+            for j in (0..4).filter(|&j| depths[j] < self.near) {
+                // Where edge i j meets the near plane; a hair behind it, so that rounding never leaves it in front.
+                let t = (depths[i] - self.near) / (depths[i] - depths[j]);
+                include(inside + (Vec3::from_array(positions[j]) - inside) * (t * (1.0 - 1e-6)));
+            }
+        }
+        // The cut is rounded in space, not in pixels: near the eye a rounding error can be wide. Take a margin of its size.
+        let margin = (high - low).max(Vec2::ZERO) * 1e-3 + Vec2::ONE;
+        self.around(low - margin, high + margin)
+    }
+
+    #[inline]
+    fn around(&self, low: Vec2, high: Vec2) -> Option<PixelBox> {
+        // Pixel centres are whole numbers: the first at or after the low edge, the last at or before the high one.
+        let first = (low - self.pad_px).ceil().clamp(Vec2::ZERO, self.size_px);
+        let end = ((high + self.pad_px).floor() + 1.0).clamp(Vec2::ZERO, self.size_px);
+        (first.x < end.x && first.y < end.y).then_some(PixelBox {
+            x0: first.x as u16,
+            x1: end.x as u16,
+            y0: first.y as u16,
+            y1: end.y as u16,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,72 @@
+//! `project`: vertices to picture positions.
+//!
+//! In: [`SceneVertex`] records (position and scalar, built once per field). Out: [`ScreenVertex`] per vertex.
+//! O(vertices), 16 bytes read and 16 written each; a cell then gathers four records instead of four transforms.
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::{View, scene_per_world};
+use crate::columns::{Association, Dataset, Field};
+
+/// A vertex with its scalar in one record, so that a cell's gather touches one cache line per vertex.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct SceneVertex {
+    /// Position relative to the dataset's origin, in scene units.
+    pub position: [f32; 3],
+    /// The field's stored value; 0 for cell data.
+    pub scalar: f32,
+}
+
+/// Where a vertex appears in the picture.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct ScreenVertex {
+    /// Column in pixels, pixel centres at whole numbers.
+    pub x_px: f32,
+    /// Row in pixels.
+    pub y_px: f32,
+    /// View depth in scene units; x and y are valid only from the near plane on.
+    pub depth: f32,
+    /// The field's stored value; 0 for cell data.
+    pub scalar: f32,
+}
+
+impl ScreenVertex {
+    /// The picture position.
+    #[inline]
+    pub fn xy(&self) -> glam::Vec2 {
+        glam::Vec2::new(self.x_px, self.y_px)
+    }
+}
+
+/// The records of all vertices of `dataset` with the values of `field`.
+pub fn scene_vertices(dataset: &Dataset, field: &Field) -> Vec<SceneVertex> {
+    let scale = scene_per_world(dataset);
+    let scaled = |p: [f32; 3]| p.map(|x| (f64::from(x) * scale) as f32);
+    let positions = dataset.positions.par_iter();
+    match field.association {
+        Association::Point => positions
+            .zip(&field.values)
+            .map(|(&position, &scalar)| SceneVertex { position: scaled(position), scalar })
+            .collect(),
+        Association::Cell => {
+            positions.map(|&position| SceneVertex { position: scaled(position), scalar: 0.0 }).collect()
+        }
+    }
+}
+
+/// Projects every vertex into `screen`, which is resized to fit.
+pub fn project(view: &View, vertices: &[SceneVertex], screen: &mut Vec<ScreenVertex>) {
+    let projection = view.projection();
+    vertices
+        .par_iter()
+        .with_min_len(4096)
+        .map(|vertex| {
+            let p = projection.project(Vec3::from_array(vertex.position));
+            ScreenVertex { x_px: p.x, y_px: p.y, depth: p.z, scalar: vertex.scalar }
+        })
+        .collect_into_vec(screen);
+}

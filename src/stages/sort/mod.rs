@@ -1,0 +1,173 @@
+//! `sort`: the order in which cells are composited, nearest first.
+//!
+//! In: a block's visible cells and the view. Out: one `u32` key per cell (`centroid`, `power`), smaller is nearer; where a
+//! backend wants one global order, `projected_from_drawn` by [`radix`]; [`check`] counts what an order got wrong.
+//! To add a key: a file with a function from a cell's corners to a depth, and its line in [`SortMethod`], [`SortKey`] and [`KeyMaker`].
+
+pub mod centroid;
+pub mod check;
+pub mod delaunay;
+mod neighbours;
+pub mod power;
+pub mod radix;
+
+use std::fmt;
+use std::str::FromStr;
+
+use glam::{DVec3, Vec3};
+
+use crate::columns::BlockView;
+use crate::error::{Error, Result};
+use crate::stages::{SceneVertex, View};
+
+/// How cells are put in order.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SortMethod {
+    /// The cheapest that is exact: nothing for an order-free model, otherwise `Exact`.
+    #[default]
+    Auto,
+    /// The order of the cells in memory.
+    None,
+    /// Distance of the centroid.
+    Centroid,
+    /// Power distance to the circumsphere; exact for a Delaunay mesh of a convex domain.
+    Power,
+    /// Right for any set of disjoint cells, cycles included: the better of the two keys for the mesh, every fragment
+    /// checked against what its pixel has drawn, and where that fails the fragments sorted per pixel.
+    Exact,
+}
+
+impl SortMethod {
+    /// All methods, in the order of the documentation.
+    pub const ALL: [Self; 5] = [Self::Auto, Self::None, Self::Centroid, Self::Power, Self::Exact];
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::None => "none",
+            Self::Centroid => "centroid",
+            Self::Power => "power",
+            Self::Exact => "exact",
+        }
+    }
+}
+
+impl fmt::Display for SortMethod {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for SortMethod {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self> {
+        Self::ALL.into_iter().find(|method| method.name() == name).ok_or_else(|| Error::Option {
+            option: "--sort",
+            problem: format!("{name:?} is none of {}", Self::ALL.map(Self::name).join(", ")),
+        })
+    }
+}
+
+/// What cells are sorted by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SortKey {
+    /// Nothing: cells stay in memory order.
+    None,
+    /// See [`centroid`].
+    Centroid,
+    /// See [`power`].
+    Power,
+}
+
+impl SortKey {
+    /// Its name in statistics.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => SortMethod::None.name(),
+            Self::Centroid => SortMethod::Centroid.name(),
+            Self::Power => SortMethod::Power.name(),
+        }
+    }
+}
+
+/// The key of a cell, for one view.
+#[derive(Clone, Copy, Debug)]
+pub enum KeyMaker {
+    /// No order: cells stay in memory order.
+    None,
+    /// See [`centroid`].
+    Centroid(centroid::Centroid),
+    /// See [`power`].
+    Power(power::Power),
+}
+
+impl KeyMaker {
+    /// The keys of one view.
+    pub fn new(key: SortKey, view: &View) -> Self {
+        match key {
+            SortKey::None => Self::None,
+            SortKey::Centroid => Self::Centroid(centroid::Centroid::new(view)),
+            SortKey::Power => Self::Power(power::Power::new(view)),
+        }
+    }
+
+    /// Appends the key of each visible cell of `block` to `key_from_visible`.
+    pub fn keys(
+        &self,
+        block: &BlockView,
+        vertices: &[SceneVertex],
+        cell_from_visible: &[u32],
+        key_from_visible: &mut Vec<u32>,
+    ) {
+        let corners = |&cell: &u32| block.tets[cell as usize].map(|v| Vec3::from_array(vertices[v as usize].position));
+        let cells = cell_from_visible.iter();
+        match self {
+            Self::None => key_from_visible.extend(cells.map(|_| 0)),
+            Self::Centroid(centroid) => {
+                key_from_visible.extend(cells.map(|cell| key_of_depth(centroid.depth(corners(cell)))));
+            }
+            Self::Power(power) => {
+                key_from_visible.extend(cells.map(|cell| key_of_depth(power.depth(corners(cell)) as f32)));
+            }
+        }
+    }
+}
+
+/// A key that orders as the depth does, negative depths included; NaN comes last.
+///
+/// ```
+/// # use cellfan::stages::sort::key_of_depth;
+/// assert!(key_of_depth(-2.0) < key_of_depth(-1.0) && key_of_depth(-1.0) < key_of_depth(0.5));
+/// ```
+#[inline]
+pub fn key_of_depth(depth: f32) -> u32 {
+    let bits = depth.to_bits();
+    // Positive numbers order as their bits; negative ones the other way round and below them.
+    bits ^ if bits >> 31 == 1 { u32::MAX } else { 1 << 31 }
+}
+
+/// The direction along which a view orders: distances from the eye, or depth along parallel rays.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Toward {
+    Eye(DVec3),
+    Along(DVec3),
+}
+
+impl Toward {
+    pub(super) fn new(view: &View) -> Self {
+        if view.is_perspective { Self::Eye(view.eye) } else { Self::Along(view.forward) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::key_of_depth;
+
+    #[test]
+    fn keys_order_like_depths() {
+        let depths = [f32::NEG_INFINITY, -1e30, -1.5, -1e-30, 0.0, 1e-40, 0.25, 3.0, f32::INFINITY, f32::NAN];
+        assert!(depths.map(key_of_depth).is_sorted());
+    }
+}

@@ -1,0 +1,170 @@
+//! `View`: a camera in a dataset's own coordinates, in the precision of the stages.
+//!
+//! Depth along a ray is carried as the *inverse depth* v, so that nearer is larger and a plane of a cell is affine in
+//! picture coordinates: v = 1/w in perspective, v = −w in an orthographic view.
+//!
+//! Scene units: world units times a power of two that brings the mesh's diagonal to 1..2, so that products of lengths stay
+//! in the range of f32 for molecules and galaxies alike and no bit changes.
+
+use glam::{DVec3, Vec3};
+
+use crate::camera::{Camera, Frame};
+use crate::columns::Dataset;
+use crate::error::Result;
+
+/// A valid camera relative to [`Dataset::origin`], in scene units; pixel centres are at whole numbers.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    /// Whether rays leave the eye (otherwise they are parallel).
+    pub is_perspective: bool,
+    /// The eye, relative to the dataset's origin.
+    pub eye: DVec3,
+    /// Unit vector along the view axis.
+    pub forward: DVec3,
+    /// Change of the ray's direction (perspective) or origin (orthographic) per pixel to the right.
+    pub step_x: DVec3,
+    /// The same per pixel down.
+    pub step_y: DVec3,
+    /// Direction (perspective) or origin (orthographic) of the ray of pixel (0, 0), relative to `forward` or the eye.
+    pub corner: DVec3,
+    /// Width and height in pixels.
+    pub size_px: [u32; 2],
+    /// Smallest view depth drawn.
+    pub near: f32,
+    /// Largest view depth drawn; infinite if there is no far plane.
+    pub far: f32,
+    /// World length of a scene unit; a power of two.
+    pub world_per_scene: f64,
+}
+
+impl View {
+    /// Default near plane, as a share of the scene's diagonal.
+    pub const NEAR_SHARE: f64 = 1e-6;
+
+    /// The view of `camera` on `dataset`.
+    ///
+    /// # Errors
+    /// [`Error::Camera`](crate::Error::Camera) where the camera is not valid.
+    pub fn new(camera: &Camera, dataset: &Dataset) -> Result<Self> {
+        let Frame { eye, forward, step_x, step_y, is_perspective, size_px } = camera.frame()?;
+        let [width, height] = size_px.map(f64::from);
+        let near = camera.near.unwrap_or(Self::NEAR_SHARE * dataset.diagonal_world());
+        let scene_per_world = scene_per_world(dataset);
+        // Parallel rays move by lengths, rays from the eye by directions.
+        let step_scale = if is_perspective { 1.0 } else { scene_per_world };
+        let (step_x, step_y) = (step_x * step_scale, step_y * step_scale);
+        Ok(Self {
+            is_perspective,
+            eye: (eye - dataset.origin) * scene_per_world,
+            forward,
+            step_x,
+            step_y,
+            corner: step_x * (0.5 - 0.5 * width) + step_y * (0.5 - 0.5 * height),
+            size_px,
+            near: (near * scene_per_world) as f32,
+            far: camera.far.map_or(f32::INFINITY, |far| (far * scene_per_world) as f32),
+            world_per_scene: scene_per_world.recip(),
+        })
+    }
+
+    /// Inverse depth of view depth `w`.
+    #[inline]
+    pub fn inverse_depth(&self, w: f32) -> f32 {
+        if self.is_perspective { 1.0 / w } else { -w }
+    }
+
+    /// Inverse depths of the far and the near plane: the range that is drawn.
+    pub fn inverse_depth_range(&self) -> (f32, f32) {
+        (self.inverse_depth(self.far), self.inverse_depth(self.near))
+    }
+
+    /// World length per scene unit of view depth along the ray of picture position (x, y).
+    #[inline]
+    pub fn length_world_per_depth(&self, x: f64, y: f64) -> f64 {
+        let direction = if self.is_perspective {
+            self.forward + self.corner + self.step_x * x + self.step_y * y
+        } else {
+            self.forward
+        };
+        direction.length() * self.world_per_scene
+    }
+
+    /// Picture position and view depth of positions; made once per frame, used per vertex.
+    pub fn projection(&self) -> PixelProjection {
+        let scale = |step: DVec3| step / step.length_squared();
+        let (to_x, to_y) = (scale(self.step_x), scale(self.step_y));
+        PixelProjection {
+            is_perspective: self.is_perspective,
+            eye: self.eye.as_vec3(),
+            to_x: to_x.as_vec3(),
+            to_y: to_y.as_vec3(),
+            forward: self.forward.as_vec3(),
+            center_x: -self.corner.dot(to_x) as f32,
+            center_y: -self.corner.dot(to_y) as f32,
+        }
+    }
+}
+
+/// The power of two that brings the diagonal of `dataset` to 1..2.
+pub fn scene_per_world(dataset: &Dataset) -> f64 {
+    (-dataset.diagonal_world().log2().floor()).exp2()
+}
+
+/// The map from positions to picture positions and view depth, in f32.
+#[derive(Clone, Copy, Debug)]
+pub struct PixelProjection {
+    is_perspective: bool,
+    eye: Vec3,
+    to_x: Vec3,
+    to_y: Vec3,
+    forward: Vec3,
+    center_x: f32,
+    center_y: f32,
+}
+
+impl PixelProjection {
+    /// (x, y) in pixels and view depth of `p`; x and y mean nothing where the depth is not positive in perspective.
+    #[inline]
+    pub fn project(&self, p: Vec3) -> Vec3 {
+        let v = p - self.eye;
+        let w = v.dot(self.forward);
+        let scale = if self.is_perspective { 1.0 / w } else { 1.0 };
+        Vec3::new(v.dot(self.to_x) * scale + self.center_x, v.dot(self.to_y) * scale + self.center_y, w)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::camera::Projection;
+    use crate::columns::{CellCounts, Points, TetMesh};
+
+    #[test]
+    fn projection_agrees_with_the_camera() {
+        let points = vec![[10.0, 0.0, 0.0], [13.0, 0.0, 0.0], [10.0, 1.0, 0.0], [10.0, 0.0, 1.0]];
+        let dataset = Dataset::from_tets(TetMesh {
+            points: Points::F64(points),
+            tets: vec![[0, 1, 2, 3]],
+            file_from_tet: vec![0],
+            arrays: Vec::new(),
+            counts: CellCounts::default(),
+        })
+        .unwrap();
+        let mut camera = Camera::looking_at(DVec3::new(7.0, -3.0, 1.0), DVec3::new(10.2, 0.2, 0.3), 300, 200);
+        for projection in
+            [Projection::Perspective { fov_degrees: 30.0 }, Projection::Orthographic { height_world: 2.0 }]
+        {
+            camera.projection = projection;
+            let (view, frame) = (View::new(&camera, &dataset).unwrap(), camera.frame().unwrap());
+            let p = DVec3::new(10.25, 0.5, 0.125);
+            let scale = scene_per_world(&dataset);
+            let projected = view.projection().project(((p - dataset.origin) * scale).as_vec3()).as_dvec3();
+            assert!((projected.truncate() - frame.pixel(p)).length() < 1e-3);
+            assert!((projected.z / scale - frame.depth(p)).abs() < 1e-6);
+            let length = frame.ray(17.0, 33.0).direction.length() / scale;
+            assert!((view.length_world_per_depth(17.0, 33.0) - length).abs() < 1e-12);
+        }
+    }
+}
