@@ -1,0 +1,108 @@
+//! Run-time dispatch: the same kernel compiled for several instruction sets, chosen by what the processor offers.
+//!
+//! The kernels use no fused or reordered operations, so that every instruction set gives the same bits.
+#![expect(
+    unsafe_code,
+    reason = "a function compiled for more than the baseline may run only where the processor has it"
+)]
+
+use super::sink::Sink;
+use super::tile::{self, TileFrame};
+use crate::optics::Optics;
+use crate::stages::sort::radix::Pair;
+
+/// An instruction set that kernels are compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InstructionSet {
+    /// What every processor of the target has (SSE2 on x86-64, NEON on aarch64).
+    Baseline,
+    /// AVX2.
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    /// AVX-512 F, BW, DQ, VL.
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+impl InstructionSet {
+    /// Those this processor has, best first.
+    pub fn available() -> Vec<Self> {
+        let mut sets = Vec::new();
+        #[cfg(target_arch = "x86_64")]
+        {
+            if is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512bw")
+                && is_x86_feature_detected!("avx512dq")
+                && is_x86_feature_detected!("avx512vl")
+            {
+                sets.push(Self::Avx512);
+            }
+            if is_x86_feature_detected!("avx2") {
+                sets.push(Self::Avx2);
+            }
+        }
+        sets.push(Self::Baseline);
+        sets
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Baseline => "baseline",
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => "avx2",
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => "avx512",
+        }
+    }
+}
+
+/// The kernels of one instruction set that this processor has.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Kernels {
+    set: InstructionSet,
+}
+
+impl Kernels {
+    /// The kernels for `set`, or for the best set there is where the processor lacks it.
+    pub(super) fn new(set: Option<InstructionSet>) -> Self {
+        let available = InstructionSet::available();
+        let set = set.filter(|set| available.contains(set)).unwrap_or(available[0]);
+        Self { set }
+    }
+
+    /// [`tile::composite`] for this instruction set.
+    pub(super) fn composite<O: Optics, S: Sink<O>>(self, tile: &TileFrame, optics: &O, order: &[Pair], sink: &mut S) {
+        match self.set {
+            InstructionSet::Baseline => composite(tile, optics, order, sink),
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: `Kernels::new`, the only constructor, keeps a set only if `available` detected its features.
+            InstructionSet::Avx2 => unsafe { composite_avx2(tile, optics, order, sink) },
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: as above.
+            InstructionSet::Avx512 => unsafe { composite_avx512(tile, optics, order, sink) },
+        }
+    }
+}
+
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "each caller compiles it for another instruction set")]
+fn composite<O: Optics, S: Sink<O>>(tile: &TileFrame, optics: &O, order: &[Pair], sink: &mut S) {
+    if tile.is_perspective() {
+        tile::composite::<O, S, true>(tile, optics, order, sink);
+    } else {
+        tile::composite::<O, S, false>(tile, optics, order, sink);
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn composite_avx2<O: Optics, S: Sink<O>>(tile: &TileFrame, optics: &O, order: &[Pair], sink: &mut S) {
+    composite(tile, optics, order, sink);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+fn composite_avx512<O: Optics, S: Sink<O>>(tile: &TileFrame, optics: &O, order: &[Pair], sink: &mut S) {
+    composite(tile, optics, order, sink);
+}

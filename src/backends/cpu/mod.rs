@@ -1,0 +1,18 @@
+//! The CPU backend: a tile compositor over footprints, and the papers' triangle fans as its twin.
+//!
+//! In: a [`Frame`](super::Frame) and an optical model. Out: an [`Image`](crate::image::Image), [`Counts`](super::Counts),
+//! spans in a [`Profile`](crate::profile::Profile).
+//! `compositor`: `project` → `bins` (`cull`, `footprints`, `sort` keys, scatter to tiles) → per tile, by a `worker`: sort,
+//! `tile` (planes per pixel) into a `sink` (blend, or collect and sort per pixel) → picture. To add a way to composite: a sink.
+
+mod bins;
+mod compositor;
+mod dispatch;
+mod fans;
+mod sink;
+mod tile;
+mod worker;
+
+pub use compositor::TileCompositor;
+pub use dispatch::InstructionSet;
+pub use fans::FanCompositor;

@@ -1,0 +1,77 @@
+//! Backends: composite cells into a picture.
+//!
+//! In: a [`Frame`], the scene's columns and one view of them. Out: an [`Image`](crate::image::Image) and what was counted.
+//! To add one: a folder that runs the stages it needs and fills the picture, and its line in `render`.
+
+pub mod cpu;
+
+use crate::columns::{Association, Dataset, Field};
+use crate::optics::{CullTable, Pieces};
+use crate::stages::sort::SortKey;
+use crate::stages::{SceneVertex, View};
+
+/// Everything a backend reads for one frame.
+#[derive(Clone, Copy)]
+pub struct Frame<'a> {
+    /// The mesh.
+    pub dataset: &'a Dataset,
+    /// The scalar field.
+    pub field: &'a Field,
+    /// Position and scalar of each vertex, in scene units.
+    pub vertices: &'a [SceneVertex],
+    /// The transfer function over the field's stored values.
+    pub pieces: &'a Pieces,
+    /// Which cells cannot show.
+    pub cull_table: &'a CullTable,
+    /// The camera.
+    pub view: &'a View,
+    /// What cells are sorted by, where the optical model asks for an order.
+    pub sort_key: SortKey,
+    /// Whether fragments found out of order are put right; otherwise they are only counted.
+    pub is_exact: bool,
+    /// A ray ends below this transmittance; 0 never ends one.
+    pub stop_transmittance: f32,
+}
+
+impl<'a> Frame<'a> {
+    /// The values of cell data; `None` for point data, which the vertices carry.
+    pub fn cell_values(&self) -> Option<&'a [f32]> {
+        (self.field.association == Association::Cell).then_some(&self.field.values[..])
+    }
+}
+
+/// What a backend counted while it drew.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Cells that were composited.
+    pub drawn: u64,
+    /// Cells without extinction on their value interval.
+    pub culled_transparent: u64,
+    /// Cells outside the view, or between pixel centres.
+    pub culled_outside: u64,
+    /// Cells with a value that is not finite.
+    pub invalid: u64,
+    /// Cells by [`ProjectionClass`](crate::stages::classify::ProjectionClass), where classified.
+    pub by_class: [u64; 5],
+    /// Triangles rasterised.
+    pub triangles: u64,
+    /// Fragments that met their pixel after one that lies behind them.
+    pub violations: u64,
+    /// Tiles parts of which were redone with their fragments sorted per pixel.
+    pub tiles_redone: u64,
+}
+
+impl std::ops::AddAssign for Counts {
+    fn add_assign(&mut self, other: Self) {
+        self.drawn += other.drawn;
+        self.culled_transparent += other.culled_transparent;
+        self.culled_outside += other.culled_outside;
+        self.invalid += other.invalid;
+        for (mine, its) in self.by_class.iter_mut().zip(other.by_class) {
+            *mine += its;
+        }
+        self.triangles += other.triangles;
+        self.violations += other.violations;
+        self.tiles_redone += other.tiles_redone;
+    }
+}
