@@ -1,0 +1,300 @@
+//! `Renderer`: run the stages in order and feed a backend.
+//!
+//! In: a [`Scene`] (mesh, field, transfer function) and a [`Camera`]. Out: a [`Rendered`] picture with its figures.
+
+use std::time::Instant;
+
+use crate::backends::cpu::{FanCompositor, InstructionSet, TileCompositor};
+use crate::backends::{Counts, Frame};
+use crate::camera::Camera;
+use crate::columns::{Dataset, Field};
+use crate::error::{Error, Result};
+use crate::image::Image;
+use crate::optics::{
+    Absorption, Averaged, CullTable, Emission, EmissionAbsorption, Integral, Mip, Model, Optics, Pieces, Textured,
+    TransferFunction,
+};
+use crate::profile::{CellStats, Exactness, OrderStats, Profile};
+use crate::stages::classify::ProjectionClass;
+use crate::stages::project::scene_vertices;
+use crate::stages::sort::check::check_order;
+use crate::stages::sort::delaunay::best_key;
+use crate::stages::sort::radix::{Pair, pair, sort};
+use crate::stages::sort::{KeyMaker, SortKey, SortMethod};
+use crate::stages::{SceneVertex, View};
+
+/// How the CPU composites.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CpuMethod {
+    /// Footprints in tiles: planes per pixel.
+    #[default]
+    Footprints,
+    /// Triangle fans, as in the papers.
+    Fans,
+}
+
+/// What to draw, beside the scene and the camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RenderOptions {
+    /// The optical model.
+    pub model: Model,
+    /// How a segment is integrated.
+    pub integral: Integral,
+    /// How cells are put in order.
+    pub sort: SortMethod,
+    /// A ray ends below this transmittance, which bounds the error; 0 never ends one.
+    pub stop_transmittance: f32,
+    /// Footprints or fans.
+    pub cpu_method: CpuMethod,
+    /// Count the neighbouring cells that the order puts the wrong way round.
+    pub check_order: bool,
+    /// Draw with this instruction set where the processor has it; the picture is the same.
+    pub instruction_set: Option<InstructionSet>,
+}
+
+impl Default for RenderOptions {
+    fn default() -> Self {
+        Self {
+            model: Model::EmissionAbsorption,
+            integral: Integral::Exact,
+            sort: SortMethod::Auto,
+            stop_transmittance: 1e-5,
+            cpu_method: CpuMethod::Footprints,
+            check_order: false,
+            instruction_set: None,
+        }
+    }
+}
+
+/// A mesh, the scalar drawn on it, and what the scalar looks like.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    dataset: Dataset,
+    field: Field,
+    vertices: Vec<SceneVertex>,
+    pieces: Pieces,
+    best_key: SortKey,
+}
+
+impl Scene {
+    /// Brings mesh, field and transfer function into the form in which the stages read them.
+    pub fn new(dataset: Dataset, field: Field, transfer: &TransferFunction) -> Self {
+        let vertices = scene_vertices(&dataset, &field);
+        let pieces = transfer.pieces(field.offset);
+        let best_key = best_key(&dataset);
+        Self { dataset, field, vertices, pieces, best_key }
+    }
+
+    /// The mesh.
+    pub fn dataset(&self) -> &Dataset {
+        &self.dataset
+    }
+
+    /// The scalar field.
+    pub fn field(&self) -> &Field {
+        &self.field
+    }
+
+    /// Shows the field with another transfer function.
+    pub fn set_transfer(&mut self, transfer: &TransferFunction) {
+        self.pieces = transfer.pieces(self.field.offset);
+    }
+}
+
+/// A picture and how it came about.
+#[derive(Clone, Debug)]
+pub struct Rendered {
+    /// The picture; see [`Model`] for its channels.
+    pub image: Image,
+    /// What became of the cells.
+    pub cells: CellStats,
+    /// Triangles rasterised; none with footprints.
+    pub triangles: u64,
+    /// The order and how far it can be trusted.
+    pub order: OrderStats,
+    /// What each stage took.
+    pub profile: Profile,
+    /// From the camera to the finished picture, in milliseconds.
+    pub frame_ms: f64,
+}
+
+/// Draws scenes; keeps what survives a change of view.
+///
+/// Runs on the threads of the rayon pool it is called in; the picture does not depend on their number.
+///
+/// ```
+/// use cellfan::{Camera, ControlPoint, Dataset, Points, RenderOptions, Renderer, Scene, TetMesh, TransferFunction};
+/// use glam::DVec3;
+/// // One tetrahedron, one unit thick where the middle ray meets it, of constant extinction 2 per unit.
+/// let mesh = TetMesh {
+///     points: Points::F64(vec![[0.0, -1.0, -1.0], [0.0, 1.0, -1.0], [0.0, 0.0, 1.0], [2.0, 0.0, -0.25]]),
+///     tets: vec![[0, 1, 2, 3]],
+///     file_from_tet: vec![0],
+///     arrays: vec![],
+///     counts: Default::default(),
+/// };
+/// let dataset = Dataset::from_tets(mesh)?;
+/// let field = dataset.homogeneous_field();
+/// let transfer = TransferFunction::new(vec![ControlPoint { value: 0.0, color: [1.0; 3], extinction: 2.0 }])?;
+/// let mut camera = Camera::looking_at(DVec3::new(5.0, 0.0, -0.25), DVec3::new(0.0, 0.0, -0.25), 33, 33);
+/// camera.projection = cellfan::Projection::Orthographic { height_world: 3.0 };
+/// let picture = Renderer::new(RenderOptions::default()).render(&Scene::new(dataset, field, &transfer), &camera)?;
+/// // The middle ray runs through the apex at x = 2 down to the base at x = 0.
+/// let alpha = picture.image.pixel(16, 16)[3];
+/// assert!((alpha - (1.0 - (-2.0_f32 * 2.0).exp())).abs() < 1e-6);
+/// # Ok::<(), cellfan::Error>(())
+/// ```
+#[derive(Default)]
+pub struct Renderer {
+    options: RenderOptions,
+    tiles: TileCompositor,
+    fans: FanCompositor,
+}
+
+impl Renderer {
+    /// A renderer with `options`.
+    pub fn new(options: RenderOptions) -> Self {
+        let mut tiles = TileCompositor::default();
+        tiles.set_instruction_set(options.instruction_set);
+        Self { options, tiles, fans: FanCompositor::default() }
+    }
+
+    /// Draws one frame.
+    ///
+    /// # Errors
+    /// [`Error::Camera`] where the camera is not valid, [`Error::Option`] where the options are not.
+    pub fn render(&mut self, scene: &Scene, camera: &Camera) -> Result<Rendered> {
+        let options = self.options;
+        if !(0.0..1.0).contains(&options.stop_transmittance) {
+            let problem = format!("{}; a transmittance from 0 (never stop) to below 1", options.stop_transmittance);
+            return Err(Error::Option { option: "--stop", problem });
+        }
+        if options.sort == SortMethod::Exact && options.cpu_method == CpuMethod::Fans {
+            let problem = "exact checks every fragment, which fans do not; use footprints, or power".to_owned();
+            return Err(Error::Option { option: "--sort", problem });
+        }
+        let start = Instant::now();
+        let view = View::new(camera, &scene.dataset)?;
+        let cull_table = CullTable::new(&scene.pieces, options.model);
+        let frame = Frame {
+            dataset: &scene.dataset,
+            field: &scene.field,
+            vertices: &scene.vertices,
+            pieces: &scene.pieces,
+            cull_table: &cull_table,
+            view: &view,
+            sort_key: self.sort_key(scene),
+            is_exact: matches!(options.sort, SortMethod::Auto | SortMethod::Exact),
+            stop_transmittance: options.stop_transmittance,
+        };
+        let mut profile = Profile::default();
+        let (image, counts) = self.draw(&frame, &mut profile)?;
+        let frame_ms = start.elapsed().as_secs_f64() * 1e3;
+
+        let misordered_pairs = options.check_order.then(|| misordered_pairs(&frame));
+        let cells = cell_stats(&scene.dataset, &counts, options.cpu_method);
+        let order = self.order_stats(scene, &counts, misordered_pairs);
+        Ok(Rendered { image, cells, triangles: counts.triangles, order, profile, frame_ms })
+    }
+
+    fn sort_key(&self, scene: &Scene) -> SortKey {
+        match self.options.sort {
+            _ if self.options.model.is_order_free() => SortKey::None,
+            SortMethod::None => SortKey::None,
+            SortMethod::Centroid => SortKey::Centroid,
+            SortMethod::Power => SortKey::Power,
+            SortMethod::Auto | SortMethod::Exact => scene.best_key,
+        }
+    }
+
+    /// Chooses the optical model; everything below is compiled for it.
+    fn draw(&mut self, frame: &Frame, profile: &mut Profile) -> Result<(Image, Counts)> {
+        let pieces = frame.pieces;
+        let RenderOptions { model, integral, .. } = self.options;
+        Ok(match (model, integral) {
+            (Model::Mip, _) => self.draw_with(frame, &Mip { pieces }, profile),
+            (Model::Absorption, _) => self.draw_with(frame, &Absorption { pieces }, profile),
+            (Model::Emission, _) => self.draw_with(frame, &Emission { pieces }, profile),
+            (Model::EmissionAbsorption, Integral::Exact) => {
+                self.draw_with(frame, &EmissionAbsorption { pieces }, profile)
+            }
+            (Model::EmissionAbsorption, Integral::Average) => self.draw_with(frame, &Averaged { pieces }, profile),
+            (Model::EmissionAbsorption, Integral::Texture) => {
+                let textured = Textured::new(pieces, frame.dataset.diagonal_world())?;
+                self.draw_with(frame, &textured, profile)
+            }
+        })
+    }
+
+    fn draw_with<O: Optics>(&mut self, frame: &Frame, optics: &O, profile: &mut Profile) -> (Image, Counts) {
+        match self.options.cpu_method {
+            CpuMethod::Footprints => self.tiles.draw(frame, optics, profile),
+            CpuMethod::Fans => self.fans.draw(frame, optics, profile),
+        }
+    }
+
+    fn order_stats(&self, scene: &Scene, counts: &Counts, misordered_pairs: Option<u64>) -> OrderStats {
+        let RenderOptions { model, sort, cpu_method, .. } = self.options;
+        let is_checked = cpu_method == CpuMethod::Footprints;
+        let is_redone = matches!(sort, SortMethod::Auto | SortMethod::Exact);
+        let (kind, exactness) = if model.is_order_free() {
+            ("none", Exactness::Exact)
+        } else {
+            // Every fragment was compared with what its pixel had drawn, and put right. Counting alone proves nothing: a
+            // ray that ended early does not see what comes too late.
+            let is_exact = is_checked && is_redone;
+            let kind = match sort {
+                SortMethod::Auto if is_checked => SortMethod::Exact.name(),
+                SortMethod::Auto => self.sort_key(scene).name(),
+                other => other.name(),
+            };
+            (kind, if is_exact { Exactness::Exact } else { Exactness::Unverified })
+        };
+        let is_counted = is_checked && !model.is_order_free();
+        OrderStats {
+            kind,
+            exactness,
+            misordered_pairs,
+            cycles: None,
+            violations: is_counted.then_some(counts.violations),
+            tiles_redone: counts.tiles_redone,
+        }
+    }
+}
+
+/// Puts the drawn cells in the order of the sort and counts the neighbours that stand the wrong way round.
+fn misordered_pairs(frame: &Frame) -> u64 {
+    let keys = KeyMaker::new(frame.sort_key, frame.view);
+    let mut order: Vec<Pair> = Vec::new();
+    let mut key_from_cell = Vec::new();
+    for block in 0..frame.dataset.blocks.len() {
+        let block = frame.dataset.block(block);
+        let cells: Vec<u32> = (0..block.tets.len() as u32).collect();
+        key_from_cell.clear();
+        keys.keys(&block, frame.vertices, &cells, &mut key_from_cell);
+        order.extend(key_from_cell.iter().zip(&cells).map(|(&key, &cell)| pair(key, block.base as u32 + cell)));
+    }
+    sort(&mut order, &mut Vec::new());
+    check_order(frame.dataset, frame.vertices, frame.view, &order).misordered
+}
+
+fn cell_stats(dataset: &Dataset, counts: &Counts, method: CpuMethod) -> CellStats {
+    let file = &dataset.counts;
+    let skipped = file.lower_dimensional + file.ghost + file.unsupported;
+    let by_class = match method {
+        CpuMethod::Footprints => Vec::new(),
+        CpuMethod::Fans => {
+            ProjectionClass::ALL.iter().map(|&class| (class.name(), counts.by_class[class as usize])).collect()
+        }
+    };
+    CellStats {
+        total: dataset.tets.len() as u64 + file.degenerate + skipped,
+        drawn: counts.drawn,
+        culled_transparent: counts.culled_transparent,
+        culled_outside: counts.culled_outside,
+        degenerate: file.degenerate,
+        invalid: counts.invalid,
+        skipped,
+        by_class,
+    }
+}
