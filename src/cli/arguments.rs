@@ -1,0 +1,112 @@
+//! Values of options: from text to what the library takes, with a message that says what was expected.
+
+use std::str::FromStr;
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+
+/// `N` numbers with commas between them.
+fn numbers<const N: usize>(text: &str, expected: &str) -> Result<[f64; N], String> {
+    let parsed: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    let finite = parsed.filter(|numbers| numbers.iter().all(|number| number.is_finite()));
+    finite.and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| format!("expected {expected}"))
+}
+
+/// `AZIMUTH,ELEVATION` in degrees.
+pub(super) fn view(text: &str) -> Result<[f64; 2], String> {
+    let [azimuth, elevation] = numbers(text, "AZIMUTH,ELEVATION in degrees, such as 35,20")?;
+    if elevation.abs() > 90.0 {
+        return Err("the elevation must lie between -90 and 90 degrees".to_owned());
+    }
+    Ok([azimuth, elevation])
+}
+
+/// `R,G,B` in sRGB.
+pub(super) fn color(text: &str) -> Result<[f32; 3], String> {
+    let color: [f64; 3] = numbers(text, "R,G,B from 0 to 1, such as 0,0,0.2")?;
+    if color.iter().any(|channel| !(0.0..=1.0).contains(channel)) {
+        return Err("each of R,G,B must lie between 0 and 1".to_owned());
+    }
+    Ok(color.map(|channel| channel as f32))
+}
+
+/// `WIDTHxHEIGHT` in pixels.
+pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
+    let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    let max = cellfan::Camera::MAX_SIDE;
+    match sides {
+        Some(sides) if sides.iter().all(|side| (1..=max).contains(side)) => Ok(sides),
+        Some(_) => Err(format!("each side must be 1 to {max} pixels")),
+        None => Err("expected WIDTHxHEIGHT in pixels, such as 1024x768".to_owned()),
+    }
+}
+
+/// A transmittance at which a ray may end.
+pub(super) fn transmittance(text: &str) -> Result<f32, String> {
+    let expected = "expected a transmittance from 0 (never stop) to below 1, such as 1e-5";
+    text.parse().ok().filter(|t| (0.0..1.0).contains(t)).ok_or_else(|| expected.to_owned())
+}
+
+/// A positive length.
+pub(super) fn length(text: &str) -> Result<f64, String> {
+    let expected = "expected a positive length in world units";
+    text.parse().ok().filter(|&length: &f64| length.is_finite() && length > 0.0).ok_or_else(|| expected.to_owned())
+}
+
+/// A finite number.
+pub(super) fn finite(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| "expected a number".to_owned())
+}
+
+/// One of a list of names, each of which stands for a value.
+pub(super) fn one_of<T>(choices: impl IntoIterator<Item = (&'static str, T)>) -> impl TypedValueParser<Value = T>
+where
+    T: Clone + Send + Sync + 'static,
+{
+    let choices: Vec<_> = choices.into_iter().collect();
+    let names: Vec<_> = choices.iter().map(|&(name, _)| PossibleValue::new(name)).collect();
+    PossibleValuesParser::new(names).try_map(move |given: String| {
+        let found = choices.iter().find(|&&(name, _)| name == given);
+        found.map(|(_, value)| value.clone()).ok_or("no such value")
+    })
+}
+
+/// Those of a list of names that the library parses itself, with a line of help each.
+pub(super) fn named<T>(
+    choices: impl IntoIterator<Item = (&'static str, &'static str)>,
+) -> impl TypedValueParser<Value = T>
+where
+    T: FromStr<Err = cellfan::Error> + Clone + Send + Sync + 'static,
+{
+    let values = choices.into_iter().map(|(name, help)| PossibleValue::new(name).help(help));
+    PossibleValuesParser::new(values).try_map(|given| given.parse::<T>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn views_colors_and_sizes() {
+        assert_eq!(view("-35, 20.5"), Ok([-35.0, 20.5]));
+        assert_eq!(color("0,0.5,1"), Ok([0.0, 0.5, 1.0]));
+        assert_eq!(size("64x32768"), Ok([64, 32_768]));
+        for bad in ["", "1", "1,2,3", "1,x", "nan,0", "inf,0", "0,91"] {
+            assert!(view(bad).is_err(), "{bad}");
+        }
+        for bad in ["", "0,0", "0,0,255", "-1,0,0", "red"] {
+            assert!(color(bad).is_err(), "{bad}");
+        }
+        for bad in ["", "64", "0x5", "5x0", "64x32769", "-1x5", "5 x 5", "5x5x5"] {
+            assert!(size(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn numbers_in_their_ranges() {
+        assert_eq!((transmittance("0"), transmittance("1e-3")), (Ok(0.0), Ok(1e-3)));
+        assert!(["1", "-1e-9", "nan", "x"].iter().all(|bad| transmittance(bad).is_err()));
+        assert_eq!(length("2.5"), Ok(2.5));
+        assert!(["0", "-1", "inf", "nan", ""].iter().all(|bad| length(bad).is_err()));
+        assert!(finite("-360").is_ok() && finite("inf").is_err());
+    }
+}

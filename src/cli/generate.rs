@@ -1,0 +1,95 @@
+//! `generate`: an analytic mesh as a .vtu file.
+
+use std::path::PathBuf;
+
+use cellfan::Error;
+use cellfan::generate::{Kind, MAX_JITTER, Orbital, Scheme, Settings, generate};
+use cellfan::io::{Compression, UnstructuredMesh, check_target, write_vtu};
+use clap::Args;
+
+use super::Outcome;
+use super::arguments::{finite, named, one_of};
+use super::numbers::count;
+use super::progress::Progress;
+
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct Arguments {
+    /// What to generate.
+    #[arg(value_parser = named::<Kind>(Kind::ALL.map(|kind| (kind.name(), kind.description()))))]
+    kind: Kind,
+    /// The file to write.
+    #[arg(short, long, value_name = "OUT.vtu")]
+    output: PathBuf,
+    /// Cells wanted; a grid has the fewest boxes that give as many.
+    #[arg(long, value_name = "N", default_value_t = Settings::default().cells)]
+    cells: u64,
+    /// Seed of everything random.
+    #[arg(long, value_name = "S", default_value_t = Settings::default().seed)]
+    seed: u64,
+    /// How far the vertices of a grid are moved, in spacings: 0 to 0.35.
+    #[arg(long, value_name = "J", default_value_t = Settings::default().jitter, value_parser = finite, allow_hyphen_values = true)]
+    jitter: f64,
+    /// Tetrahedra a box of the grid.
+    #[arg(long, default_value = "6", value_parser = one_of([("5", Scheme::Five), ("6", Scheme::Six)]))]
+    scheme: Scheme,
+    /// Quantum numbers of the orbital.
+    #[arg(long, value_name = "N,L,M", value_parser = orbital, default_value = "4,2,0")]
+    orbital: Orbital,
+    /// Delaunay: random points alone, without those that make the mesh fill its cube.
+    #[arg(long)]
+    no_fill: bool,
+    /// Write the arrays as they are, not compressed by zlib: faster to write and to read.
+    #[arg(long)]
+    raw: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  cellfan generate tets --cells 1000000 -o tets.vtu
+  cellfan generate orbital --orbital 3,2,1 --cells 500000 -o orbital.vtu
+  cellfan generate delaunay --cells 200000 --seed 7 --no-fill --raw -o delaunay.vtu";
+
+pub(super) fn run(arguments: &Arguments) -> Outcome {
+    let path = &arguments.output;
+    if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("vtu")) {
+        let problem = format!("\"{}\": meshes are written as .vtu; end the name in it", path.display());
+        return Err(Error::Option { option: "--output", problem }.into());
+    }
+    if !(0.0..=MAX_JITTER).contains(&arguments.jitter) {
+        let problem = format!("{} is not between 0 and {MAX_JITTER} spacings", arguments.jitter);
+        return Err(Error::Option { option: "--jitter", problem }.into());
+    }
+    check_target(path)?;
+    let settings = Settings {
+        cells: arguments.cells,
+        seed: arguments.seed,
+        jitter: arguments.jitter,
+        scheme: arguments.scheme,
+        fill_cube: !arguments.no_fill,
+        orbital: arguments.orbital,
+    };
+    let mesh = {
+        let _progress = Progress::running(format!("generating {}", arguments.kind));
+        UnstructuredMesh::from_tets(&generate(arguments.kind, &settings)?)
+    };
+    let compression = if arguments.raw { Compression::None } else { Compression::Zlib };
+    {
+        let _progress = Progress::running(format!("writing {}", path.display()));
+        write_vtu(path, &mesh, compression)?;
+    }
+    let (cells, points) = (count(mesh.cells() as u64, "cell"), count(mesh.points.len() as u64, "point"));
+    tracing::info!("wrote {}: {cells}, {points}", path.display());
+    Ok(())
+}
+
+/// `N,L,M`.
+fn orbital(text: &str) -> Result<Orbital, String> {
+    let parts: Vec<&str> = text.split(',').map(str::trim).collect();
+    let parsed = match parts[..] {
+        [n, l, m] => n.parse().ok().zip(l.parse().ok()).zip(m.parse().ok()),
+        _ => None,
+    };
+    let ((n, l), m) = parsed.ok_or("expected N,L,M, such as 4,2,0")?;
+    Ok(Orbital { n, l, m })
+}

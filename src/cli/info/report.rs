@@ -1,0 +1,125 @@
+//! What `info` found out, as text and as JSON.
+
+use std::fmt::{self, Display, Formatter};
+
+use cellfan::columns::{Association, CellCounts};
+use serde::Serialize;
+use serde_json::json;
+
+use super::kinds::KindCount;
+use super::remarks;
+use crate::cli::numbers::{bytes, count, grouped, short};
+
+/// Smallest and largest finite value; none where no value is finite.
+pub(super) type Range = Option<[f64; 2]>;
+
+/// An array of the file.
+#[derive(Serialize)]
+pub(super) struct ArrayReport {
+    pub(super) name: String,
+    pub(super) association: Association,
+    pub(super) components: usize,
+    #[serde(rename = "type")]
+    pub(super) number_type: &'static str,
+    pub(super) tuples: u64,
+    /// One a component, over the whole file.
+    #[serde(rename = "ranges")]
+    pub(super) component_ranges: Vec<Range>,
+    /// Of the Euclidean norm; none for a scalar.
+    pub(super) magnitude_range: Range,
+}
+
+/// What is drawn of the mesh.
+#[derive(Serialize)]
+pub(super) struct Drawn {
+    pub(super) tetrahedra: u64,
+    pub(super) vertices: u64,
+    pub(super) blocks: u64,
+    /// What the mesh and its arrays take in memory.
+    pub(super) memory_bytes: u64,
+}
+
+/// Everything about one file.
+pub(super) struct Report {
+    pub(super) file: String,
+    pub(super) format: &'static str,
+    pub(super) points: u64,
+    pub(super) cells: u64,
+    pub(super) kinds: Vec<KindCount>,
+    /// Lowest and highest corner.
+    pub(super) bounds: Option<[[f64; 3]; 2]>,
+    pub(super) arrays: Vec<ArrayReport>,
+    pub(super) counts: CellCounts,
+    /// Or why nothing is.
+    pub(super) drawn: Result<Drawn, String>,
+}
+
+impl Report {
+    /// One JSON object, indented, with a newline at the end.
+    pub(super) fn to_json(&self) -> String {
+        let skipped = self.counts.lower_dimensional + self.counts.ghost + self.counts.unsupported;
+        let value = json!({
+            "file": self.file,
+            "format": self.format,
+            "points": self.points,
+            "cells": self.cells,
+            "kinds": self.kinds,
+            "bounds": self.bounds.map(|[min, max]| json!({ "min": min, "max": max })),
+            "arrays": self.arrays,
+            "skipped": skipped,
+            "counts": self.counts,
+            "drawn": self.drawn.as_ref().ok(),
+            "problem": self.drawn.as_ref().err(),
+        });
+        format!("{value:#}\n")
+    }
+}
+
+impl Display for Report {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}: {}", self.file, self.format)?;
+        writeln!(f, "{}, {}", count(self.points, "point"), count(self.cells, "cell"))?;
+        for kind in &self.kinds {
+            writeln!(f, "  {:>12}  {}", grouped(kind.count), kind.name)?;
+        }
+        if let Some([min, max]) = self.bounds {
+            let corner = |p: [f64; 3]| p.map(short).join(", ");
+            writeln!(f, "bounds: ({}) to ({})", corner(min), corner(max))?;
+        }
+        writeln!(f, "{}", if self.arrays.is_empty() { "no arrays" } else { "arrays:" })?;
+        let width = self.arrays.iter().map(|array| array.name.chars().count()).max().unwrap_or(0);
+        for array in &self.arrays {
+            array.line(f, width)?;
+        }
+        match &self.drawn {
+            Ok(Drawn { tetrahedra, vertices, memory_bytes, .. }) => {
+                let (tetrahedra, vertices) = (grouped(*tetrahedra), grouped(*vertices));
+                writeln!(
+                    f,
+                    "drawn: {tetrahedra} tetrahedra of {vertices} vertices, {} in memory",
+                    bytes(*memory_bytes)
+                )?;
+            }
+            Err(problem) => writeln!(f, "cannot be drawn: {problem}")?,
+        }
+        remarks(&self.counts).into_iter().try_for_each(|(n, what)| writeln!(f, "  {:>12}  {what}", grouped(n)))
+    }
+}
+
+impl ArrayReport {
+    fn line(&self, f: &mut Formatter<'_>, width: usize) -> fmt::Result {
+        let association = match self.association {
+            Association::Point => "point",
+            Association::Cell => "cell",
+        };
+        let of = if self.components == 1 { String::new() } else { format!("[{}]", self.components) };
+        let number_type = format!("{}{of}", self.number_type);
+        let (range, what) = match self.components {
+            1 => (self.component_ranges[0], ""),
+            _ => (self.magnitude_range, "magnitude "),
+        };
+        let range = range
+            .map_or("no finite value".to_owned(), |[low, high]| format!("{what}{} to {}", short(low), short(high)));
+        writeln!(f, "  {:<width$}  {association:<5}  {number_type:<7}  {range}", self.name)
+    }
+}

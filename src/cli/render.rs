@@ -1,0 +1,175 @@
+//! `render`: a mesh becomes a picture, or several.
+//!
+//! In: [`Arguments`], checked as far as they can be before anything is read. Out: pictures, STATS.json, and a line on
+//! stderr that says what was chosen: the array ([`array`]), the transfer function ([`transfer`]) and the view ([`view`]).
+
+mod arguments;
+mod array;
+mod automatic;
+mod pictures;
+mod summary;
+mod transfer;
+mod view;
+
+use std::path::Path;
+use std::time::Instant;
+
+use cellfan::image::Encoding;
+use cellfan::profile::{Profile, Stats, peak_rss_bytes};
+use cellfan::{CpuMethod, Dataset, Error, Image, Model, RenderOptions, Rendered, Renderer, Scene, SortMethod, io};
+
+pub(super) use arguments::Arguments;
+use pictures::Pictures;
+use summary::Summary;
+use transfer::TransferSource;
+use view::ViewSource;
+
+use super::progress::Progress;
+use super::{Outcome, stdout};
+
+pub(super) fn run(arguments: &Arguments) -> Outcome {
+    let path = one_mesh(arguments)?;
+    let options = options(arguments)?;
+    let encoding = encoding(arguments);
+    let mut pictures = Pictures::create(arguments.output_path(path), encoding, arguments.frames)?;
+    let stats_path = arguments.stats.as_deref().filter(|path| *path != Path::new("-"));
+    stats_path.map(io::check_target).transpose()?;
+    let transfer = TransferSource::load(arguments)?;
+    let view = ViewSource::load(arguments)?;
+
+    let mut before = Profile::default();
+    let dataset = read(path, &mut before)?;
+    let start = Instant::now();
+    let field = array::choose(&dataset, arguments.array.as_deref()).map_err(|error| error.in_file(path))?;
+    let (transfer, transfer_note) = transfer.make(&dataset, &field, options.model)?;
+    let (camera, view_note) = view.make(&dataset)?;
+    let summary = Summary::new(path, &dataset, &field, &view_note, &transfer_note);
+    // The arrays are not needed any more.
+    let scene = Scene::new(Dataset { arrays: Vec::new(), ..dataset }, field, &transfer);
+    before.add("field", start.elapsed(), 0);
+
+    let mut renderer = Renderer::new(options);
+    let mut after = Profile::default();
+    let mut frames = Frames::default();
+    let count = arguments.frames.unwrap_or(1);
+    {
+        let progress = match count {
+            1 => Progress::running("drawing"),
+            _ => Progress::counting("drawing", count.into()),
+        };
+        for frame in 0..count {
+            let degrees = f64::from(frame) * arguments.orbit / f64::from(count);
+            let camera = if frame == 0 { camera.clone() } else { camera.orbited(degrees) };
+            let rendered = renderer.render(&scene, &camera)?;
+            let start = Instant::now();
+            pictures.push(&rendered.image)?;
+            after.add("write", start.elapsed(), 0);
+            frames.add(rendered, options.model);
+            progress.step();
+        }
+    }
+    let start = Instant::now();
+    let written = pictures.finish()?;
+    after.add("write", start.elapsed(), 0);
+
+    let Some(last) = &frames.last else { return Ok(()) };
+    let stats = Stats {
+        cells: last.cells.clone(),
+        triangles: last.triangles,
+        order: last.order,
+        before,
+        frame: Profile::median(&frames.profiles),
+        after,
+        frames: frames.times_ms,
+        backend: "cpu",
+        adapter: None,
+        threads: rayon::current_num_threads(),
+        peak_rss_bytes: peak_rss_bytes(),
+    };
+    summary.say(&stats);
+    if frames.are_blank {
+        tracing::warn!(
+            "no ray meets anything that shows: look elsewhere (--view), or give a --transfer with some extinction"
+        );
+    }
+    tracing::info!("wrote {written}");
+    tracing::debug!("stages\n{stats}");
+    match (stats_path, &arguments.stats) {
+        (Some(path), _) => stats.save(path)?,
+        (None, Some(_)) => stdout::write(&stats.to_json())?,
+        (None, None) => {}
+    }
+    Ok(())
+}
+
+/// What is kept of the frames.
+#[derive(Default)]
+struct Frames {
+    profiles: Vec<Profile>,
+    times_ms: Vec<f64>,
+    /// The last frame, without its picture.
+    last: Option<Rendered>,
+    are_blank: bool,
+}
+
+impl Frames {
+    fn add(&mut self, rendered: Rendered, model: Model) {
+        let miss = if model == Model::Absorption { [1.0; 4] } else { [0.0; 4] };
+        self.are_blank = rendered.image.covered(miss) == 0 && (self.are_blank || self.last.is_none());
+        self.profiles.push(rendered.profile.clone());
+        self.times_ms.push(rendered.frame_ms);
+        self.last = Some(Rendered { image: Image::filled(0, 0, [0.0; 4]), ..rendered });
+    }
+}
+
+/// Reads the mesh and puts its cells in order.
+fn read(path: &Path, profile: &mut Profile) -> cellfan::Result<Dataset> {
+    let _progress = Progress::running(format!("reading {}", path.display()));
+    let start = Instant::now();
+    let mesh = io::open_mesh(path)?;
+    let bytes = path.metadata().map_or(0, |file| file.len());
+    profile.add("read", start.elapsed(), bytes);
+    profile.time("order", || mesh.into_dataset()).map_err(|error| error.in_file(path))
+}
+
+/// This version draws one mesh.
+fn one_mesh(arguments: &Arguments) -> cellfan::Result<&Path> {
+    match arguments.meshes.as_slice() {
+        [path] => Ok(path),
+        more => {
+            let problem = format!("{} meshes were given; this version draws one at a time", more.len());
+            Err(Error::Option { option: "MESH", problem })
+        }
+    }
+}
+
+fn options(arguments: &Arguments) -> cellfan::Result<RenderOptions> {
+    if arguments.backend == arguments::Backend::Gpu {
+        let problem = "this version draws on the CPU only; leave --backend out or say --backend cpu".to_owned();
+        return Err(Error::NoDevice { problem });
+    }
+    // The renderer would refuse it too, but only when the mesh has been read.
+    if arguments.sort == SortMethod::Exact && arguments.cpu_method == CpuMethod::Fans {
+        let problem = "exact needs --cpu-method footprints; with fans say --sort power".to_owned();
+        return Err(Error::Option { option: "--sort", problem });
+    }
+    Ok(RenderOptions {
+        model: arguments.model,
+        integral: arguments.integral,
+        sort: arguments.sort,
+        stop_transmittance: arguments.stop,
+        cpu_method: arguments.cpu_method,
+        check_order: arguments.check_order,
+        ..RenderOptions::default()
+    })
+}
+
+fn encoding(arguments: &Arguments) -> Encoding {
+    if arguments.model != Model::Absorption {
+        return Encoding { background: arguments.background, ..Encoding::default() };
+    }
+    if arguments.background.is_some() {
+        tracing::warn!("an absorption picture shows transmitted light and has no background: --background is ignored");
+    }
+    Encoding::TRANSMITTED
+}

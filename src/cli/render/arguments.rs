@@ -1,0 +1,119 @@
+//! The arguments of `render`.
+
+use std::path::{Path, PathBuf};
+
+use cellfan::{CpuMethod, Integral, Model, SortMethod};
+use clap::Args;
+
+use crate::cli::arguments::{color, finite, length, named, one_of, size, transmittance, view};
+
+/// What draws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Backend {
+    /// Whatever there is.
+    Auto,
+    /// A graphics card or an accelerator.
+    Gpu,
+    /// The processor.
+    Cpu,
+}
+
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub(in crate::cli) struct Arguments {
+    /// The mesh: .vtu, .pvtu or .vtk.
+    #[arg(required = true, value_name = "MESH")]
+    pub(super) meshes: Vec<PathBuf>,
+    /// The picture: .png to look at, .exr or .npy for the linear values [default: MESH.png in this folder].
+    #[arg(short, long, value_name = "OUT")]
+    pub(super) output: Option<PathBuf>,
+
+    /// The array to draw: NAME, NAME[component], point:NAME or cell:NAME; a vector by its magnitude
+    /// [default: one that varies].
+    #[arg(long, value_name = "NAME", help_heading = "Picture")]
+    pub(super) array: Option<String>,
+    /// Colour and extinction: a .json or .csv file, or viridis, inferno, cool-warm or x-ray over the array's range
+    /// [default: from the array's histogram].
+    #[arg(long, value_name = "TF", help_heading = "Picture")]
+    pub(super) transfer: Option<String>,
+    /// What opacities of a transfer function refer to, in world units [default: a hundredth of the diagonal].
+    #[arg(long, value_name = "LENGTH", help_heading = "Picture", value_parser = length, allow_hyphen_values = true)]
+    pub(super) unit_distance: Option<f64>,
+    /// What a ray computes.
+    #[arg(long, help_heading = "Picture", default_value_t, value_parser = named::<Model>(MODELS))]
+    pub(super) model: Model,
+    /// The colour behind a PNG, as sRGB from 0 to 1 [default: transparent].
+    #[arg(long, value_name = "R,G,B", help_heading = "Picture", value_parser = color, allow_hyphen_values = true)]
+    pub(super) background: Option<[f32; 3]>,
+
+    /// A camera file with eye, target, up, fov, width, height.
+    #[arg(long, value_name = "CAM.json", help_heading = "View", conflicts_with = "view")]
+    pub(super) camera: Option<PathBuf>,
+    /// The whole mesh from this direction, in degrees; +z is up [default: 35,20].
+    #[arg(long, value_name = "AZIMUTH,ELEVATION", help_heading = "View", value_parser = view, allow_hyphen_values = true)]
+    pub(super) view: Option<[f64; 2]>,
+    /// Size in pixels; goes before the camera's [default: 512x512].
+    #[arg(long, value_name = "WxH", help_heading = "View", value_parser = size)]
+    pub(super) size: Option<[u32; 2]>,
+    /// Draw N frames: OUT.0000.png and so on, or one stacked .npy.
+    #[arg(long, value_name = "N", help_heading = "View", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(super) frames: Option<u32>,
+    /// How far the eye turns about the target over all frames.
+    #[arg(long, value_name = "DEGREES", help_heading = "View", default_value = "360", requires = "frames", value_parser = finite, allow_hyphen_values = true)]
+    pub(super) orbit: f64,
+
+    /// What draws; this version has the CPU only.
+    #[arg(long, help_heading = "Method", default_value = "auto", value_parser = one_of([("auto", Backend::Auto), ("gpu", Backend::Gpu), ("cpu", Backend::Cpu)]))]
+    pub(super) backend: Backend,
+    /// How cells are put in order; auto and exact are right for any mesh.
+    #[arg(long, help_heading = "Method", default_value_t, value_parser = one_of(SortMethod::ALL.map(|method| (method.name(), method))))]
+    pub(super) sort: SortMethod,
+    /// How the light of a cell is integrated along a ray.
+    #[arg(long, help_heading = "Method", default_value_t, value_parser = named::<Integral>(INTEGRALS))]
+    pub(super) integral: Integral,
+    /// End a ray at this transmittance, which bounds the error; 0 never ends one.
+    #[arg(long, value_name = "T", help_heading = "Method", default_value = "1e-5", value_parser = transmittance, allow_hyphen_values = true)]
+    pub(super) stop: f32,
+    /// How the CPU composites: planes per pixel, or the triangles of the papers.
+    #[arg(long, value_name = "METHOD", help_heading = "Method", default_value = "footprints", value_parser = one_of([("footprints", CpuMethod::Footprints), ("fans", CpuMethod::Fans)]))]
+    pub(super) cpu_method: CpuMethod,
+    /// Count the neighbouring cells that the order puts the wrong way round.
+    #[arg(long, help_heading = "Method")]
+    pub(super) check_order: bool,
+    /// Write figures as JSON: cells, order, stages, times; - is stdout.
+    #[arg(long, value_name = "STATS.json", help_heading = "Method", allow_hyphen_values = true)]
+    pub(super) stats: Option<PathBuf>,
+}
+
+const MODELS: [(&str, &str); 4] = [
+    ("emission-absorption", "light that is emitted and dimmed on its way"),
+    ("absorption", "transmitted light, as an X-ray picture"),
+    ("emission", "light that nothing dims"),
+    ("mip", "the colour of the largest value on the ray"),
+];
+
+const INTEGRALS: [(&str, &str); 3] = [
+    ("exact", "linear extinction and colour, to 1e-6"),
+    ("average", "the mean colour times the exact opacity"),
+    ("texture", "the mean colour times an opacity from a table"),
+];
+
+const EXAMPLES: &str = "\
+Examples:
+  cellfan render mesh.vtu
+  cellfan render mesh.vtu -o out.png --array Velocity[2] --transfer cool-warm --view 120,-10
+  cellfan render mesh.vtu -o out.exr --transfer tf.json --camera cam.json --size 1920x1080
+  cellfan render mesh.vtu -o turn.png --frames 36 --orbit 360 --background 0,0,0
+  cellfan render mesh.vtu -o out.npy --model absorption --stats - | jq .frame_ms";
+
+impl Arguments {
+    /// Where the picture goes; by default the mesh's name with .png, in the current folder.
+    pub(super) fn output_path(&self, mesh: &Path) -> PathBuf {
+        self.output.clone().unwrap_or_else(|| {
+            // A path without a name is no mesh; the reader says so.
+            let mut name = mesh.file_stem().unwrap_or("mesh".as_ref()).to_owned();
+            name.push(".png");
+            name.into()
+        })
+    }
+}

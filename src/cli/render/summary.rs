@@ -1,0 +1,82 @@
+//! What `render` says about its choices and about cells that are not drawn as the file has them.
+
+use std::path::Path;
+
+use cellfan::columns::{Association, CellCounts};
+use cellfan::profile::{Exactness, OrderStats, Stats};
+use cellfan::{Dataset, Field};
+
+use crate::cli::numbers::{count, grouped, short};
+
+/// Everything that is known before the frames.
+pub(super) struct Summary {
+    chosen: String,
+    counts: CellCounts,
+}
+
+impl Summary {
+    /// Notes mesh, array, view and transfer function.
+    pub(super) fn new(path: &Path, dataset: &Dataset, field: &Field, view: &str, transfer: &str) -> Self {
+        let array = if dataset.arrays.is_empty() && field.range.0 >= field.range.1 {
+            "no array, drawn homogeneous".to_owned()
+        } else if field.name == "homogeneous" {
+            "no array that varies, drawn homogeneous".to_owned()
+        } else {
+            let of = if field.association == Association::Point { "point" } else { "cell" };
+            format!("{of} array \"{}\", {} to {}", field.name, short(field.range.0), short(field.range.1))
+        };
+        let cells = count(dataset.counts.in_file, "cell");
+        let chosen = format!("{}: {cells}; {array}; {transfer}; {view}", path.display());
+        Self { chosen, counts: dataset.counts }
+    }
+
+    /// Says it, with the order that the frames had.
+    pub(super) fn say(&self, stats: &Stats) {
+        tracing::info!("{}; {}", self.chosen, order(&stats.order));
+        let remarks = remarks(&self.counts, stats);
+        if !remarks.is_empty() {
+            tracing::info!("{}", remarks.join("; "));
+        }
+        let cells = &stats.cells;
+        tracing::debug!(
+            "{} tetrahedra drawn, {} culled as transparent, {} outside the view",
+            grouped(cells.drawn),
+            grouped(cells.culled_transparent),
+            grouped(cells.culled_outside)
+        );
+    }
+}
+
+/// The order and how far it can be trusted.
+fn order(order: &OrderStats) -> String {
+    let exactness = match order.exactness {
+        _ if order.kind == "none" && order.exactness == Exactness::Exact => "not needed".to_owned(),
+        Exactness::Exact => "exact".to_owned(),
+        Exactness::Unverified => format!("by {}, not verified", order.kind),
+        Exactness::CyclesBroken(cycles) => format!("by {}, {} broken", order.kind, count(cycles, "cycle")),
+    };
+    let misordered = order.misordered_pairs.map(|pairs| format!(" ({} misordered)", count(pairs, "pair")));
+    format!("order {exactness}{}", misordered.unwrap_or_default())
+}
+
+/// What is not drawn as the file has it.
+fn remarks(counts: &CellCounts, stats: &Stats) -> Vec<String> {
+    let all = [
+        (counts.lower_dimensional, "without volume by their kind skipped"),
+        (counts.ghost, "hidden by vtkGhostType skipped"),
+        (counts.unsupported, "of kinds that are not drawn skipped"),
+        (counts.split, "split into tetrahedra: another field than the unsplit cells'"),
+        (counts.quadratic, "drawn by their corners: their edges are curved in the file"),
+    ];
+    let cells = all.into_iter().filter(|&(n, _)| n > 0).map(|(n, what)| format!("{} {what}", count(n, "cell")));
+    let tets = [
+        (counts.inverted, "turned: their corners ran the other way"),
+        (counts.degenerate, "without volume left out"),
+        (stats.cells.invalid, "left out: a value of theirs is not finite"),
+    ];
+    let tets = tets
+        .into_iter()
+        .filter(|&(n, _)| n > 0)
+        .map(|(n, what)| format!("{} tetrahedr{} {what}", grouped(n), if n == 1 { "on" } else { "a" }));
+    cells.chain(tets).collect()
+}

@@ -1,0 +1,54 @@
+//! Where the picture is taken from: a camera file, a direction, or the default direction.
+
+use cellfan::{Camera, Dataset, Error, Result};
+
+use super::Arguments;
+
+/// Azimuth and elevation where neither `--camera` nor `--view` is given, in degrees: three sides of a box are seen.
+const DEFAULT_VIEW: [f64; 2] = [35.0, 20.0];
+
+/// Width and height without `--size` or a camera file, in pixels: those of a camera file that does not say.
+const DEFAULT_SIZE: [u32; 2] = [512, 512];
+
+/// What the arguments say about the view.
+pub(super) enum ViewSource {
+    /// A camera file, read and checked.
+    Camera(Camera),
+    /// A direction and a size, from which the mesh is framed.
+    Framing { view: [f64; 2], size: [u32; 2] },
+}
+
+impl ViewSource {
+    /// Reads what can be read before the mesh.
+    ///
+    /// # Errors
+    /// [`Error::Io`], [`Error::Camera`].
+    pub(super) fn load(arguments: &Arguments) -> Result<Self> {
+        let Some(path) = &arguments.camera else {
+            let view = arguments.view.unwrap_or(DEFAULT_VIEW);
+            return Ok(Self::Framing { view, size: arguments.size.unwrap_or(DEFAULT_SIZE) });
+        };
+        let text = std::fs::read_to_string(path).map_err(|source| Error::Io { path: path.clone(), source })?;
+        let mut camera = Camera::from_json(&text).map_err(|error| error.in_file(path))?;
+        if let Some([width, height]) = arguments.size {
+            (camera.width, camera.height) = (width, height);
+        }
+        Ok(Self::Camera(camera))
+    }
+
+    /// The camera, and what to call it.
+    ///
+    /// # Errors
+    /// [`Error::Camera`] where the mesh cannot be framed.
+    pub(super) fn make(self, dataset: &Dataset) -> Result<(Camera, String)> {
+        match self {
+            Self::Camera(camera) => Ok((camera, "camera file".to_owned())),
+            Self::Framing { view: [azimuth, elevation], size: [width, height] } => {
+                let corners = dataset.bounds.corners().map(|corner| dataset.origin + corner.as_dvec3());
+                let camera = Camera::framing(&corners, azimuth, elevation, width, height);
+                camera.frame()?;
+                Ok((camera, format!("view {azimuth},{elevation}")))
+            }
+        }
+    }
+}
