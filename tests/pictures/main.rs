@@ -1,0 +1,17 @@
+//! Pictures against closed forms, against a reference in f64, against each other, and against ones a person looked at.
+#![expect(clippy::float_cmp, reason = "misses and equal bytes are exact")]
+
+mod accuracy;
+mod analytic;
+mod check;
+#[path = "../common/mod.rs"]
+mod common;
+mod determinism;
+mod golden;
+mod hostile;
+mod meshes;
+mod monoid;
+mod order;
+mod parity;
+mod real;
+mod reference;
