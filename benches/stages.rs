@@ -1,0 +1,343 @@
+//! One stage at a time: `stage/<stage>`, and `optics/integral`; inputs are made outside the timer, where each
+//! stage also runs once and its answer is checked.
+//!
+//! All but `sort` on large inputs run on one thread. Kernels are timed for the instruction set that the benchmark is
+//! compiled for; the CPU backend chooses at run time. Bytes are those a stage reads and writes, once each.
+
+mod support;
+
+use std::hint::black_box;
+
+use cellfan::Model;
+use cellfan::columns::BlockView;
+use cellfan::generate::Kind;
+use cellfan::optics::integral::segment_weights_average;
+use cellfan::optics::{CullTable, LANES, Pieces, SegmentWeights, segment_weights, segment_weights_thin};
+use cellfan::stages::classify::classify;
+use cellfan::stages::cull::{Culled, cull};
+use cellfan::stages::fans::{self, Fan, FanInput, FanSlot, FanVertex};
+use cellfan::stages::footprints::planes::{Batch, Corners, TileRays};
+use cellfan::stages::footprints::{PixelBox, PixelBoxes};
+use cellfan::stages::project::{project, scene_vertices};
+use cellfan::stages::sort::radix::{Pair, pair, sort, sort_coherent, sort_local};
+use cellfan::stages::sort::{KeyMaker, SortKey};
+use cellfan::stages::{SceneVertex, ScreenVertex, View};
+use criterion::measurement::WallTime;
+use criterion::{BatchSize, BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
+
+use support::{Mesh, TRANSPARENT_BELOW, transfer};
+
+const CELLS: u64 = 100_000;
+const SIDE_PX: u32 = 512;
+
+type Sorter = fn(&mut Vec<Pair>, &mut Vec<Pair>);
+type Kernel = fn(f32, f32) -> SegmentWeights;
+
+/// A mesh in one view, projected.
+struct Seen {
+    mesh: Mesh,
+    view: View,
+    vertices: Vec<SceneVertex>,
+    screen: Vec<ScreenVertex>,
+}
+
+impl Seen {
+    fn new(kind: Kind) -> Self {
+        let mesh = Mesh::generate(kind, CELLS);
+        let view = View::new(&mesh.camera(0.0, SIDE_PX), &mesh.dataset).expect("the camera is valid");
+        let vertices = scene_vertices(&mesh.dataset, &mesh.field);
+        let mut screen = Vec::new();
+        project(&view, &vertices, &mut screen);
+        Self { mesh, view, vertices, screen }
+    }
+
+    fn cells(&self) -> u64 {
+        self.mesh.dataset.tets.len() as u64
+    }
+
+    fn blocks(&self) -> impl Iterator<Item = BlockView<'_>> {
+        (0..self.mesh.dataset.blocks.len()).map(|block| self.mesh.dataset.block(block))
+    }
+
+    /// Calls `f` with every block and the list of its cells.
+    fn each_block(&self, cell_from_visible: &[u32], mut f: impl FnMut(&BlockView, &[u32])) {
+        for block in self.blocks() {
+            f(&block, &cell_from_visible[..block.tets.len()]);
+        }
+    }
+}
+
+fn all_cells() -> Vec<u32> {
+    (0..cellfan::Dataset::BLOCK_CELLS as u32).collect()
+}
+
+fn throughput(group: &mut BenchmarkGroup<WallTime>, elements: u64, bytes_each: usize) {
+    group.throughput(Throughput::ElementsAndBytes { elements, bytes: elements * bytes_each as u64 });
+}
+
+fn bench_project(criterion: &mut Criterion) {
+    let seen = Seen::new(Kind::Tets);
+    let pool = rayon_of_one();
+    let mut group = criterion.benchmark_group("stage/project");
+    throughput(&mut group, seen.vertices.len() as u64, 32);
+    let mut screen = Vec::new();
+    let mut stage = || pool.install(|| project(&seen.view, black_box(&seen.vertices), &mut screen));
+    stage();
+    group.bench_function("vertices", |b| b.iter(&mut stage));
+    let frame = seen.mesh.camera(0.0, SIDE_PX).frame().expect("the camera is valid");
+    for (at, position) in screen.iter().zip(seen.mesh.dataset.positions.iter()).step_by(997) {
+        let exact = frame.pixel(glam::Vec3::from_array(*position).as_dvec3() + seen.mesh.dataset.origin);
+        assert!((at.xy().as_dvec2() - exact).length() < 1e-3, "{at:?} is not {exact}");
+    }
+}
+
+fn bench_cull(criterion: &mut Criterion) {
+    let seen = Seen::new(Kind::Tets);
+    let pieces: Pieces = transfer().pieces(seen.mesh.field.offset);
+    let table = CullTable::new(&pieces, Model::EmissionAbsorption);
+    let mut group = criterion.benchmark_group("stage/cull");
+    throughput(&mut group, seen.cells(), 32);
+    let mut visible = Vec::new();
+    let mut stage = || {
+        let (mut transparent, mut shown) = (0, 0);
+        for block in seen.blocks() {
+            visible.clear();
+            let Culled { transparent: dropped, invalid: _ } =
+                cull(&block, &seen.mesh.field, &seen.screen, (&pieces, &table), &mut visible);
+            transparent += dropped;
+            shown += visible.len() as u64;
+        }
+        (transparent, shown)
+    };
+    let (transparent, shown) = stage();
+    group.bench_function("tets", |b| b.iter(&mut stage));
+    let largest = |tet: &[u32; 4]| tet.map(|v| seen.vertices[v as usize].scalar).into_iter().fold(f32::MIN, f32::max);
+    let low = seen.mesh.dataset.tets.iter().filter(|tet| f64::from(largest(tet)) < TRANSPARENT_BELOW).count() as u64;
+    assert_eq!((transparent, transparent + shown), (low, seen.cells()));
+    assert!(low > 0 && shown > 0, "a test of culling needs both kinds of cells");
+}
+
+fn bench_classify(criterion: &mut Criterion) {
+    let seen = Seen::new(Kind::Delaunay);
+    let (tets, positive) = (&seen.mesh.dataset.tets, &seen.mesh.dataset.positive);
+    let mut group = criterion.benchmark_group("stage/classify");
+    throughput(&mut group, seen.cells(), 16 + 4 * size_of::<ScreenVertex>());
+    let stage = || {
+        let mut by_class = [0_u64; 5];
+        for (cell, tet) in tets.iter().enumerate() {
+            let xy = tet.map(|v| seen.screen[v as usize].xy());
+            by_class[classify(xy, positive.get(cell)).class as usize] += 1;
+        }
+        by_class
+    };
+    let by_class = stage();
+    group.bench_function("delaunay", |b| b.iter(stage));
+    assert_eq!(by_class.iter().sum::<u64>(), seen.cells());
+    // Random cells have one inner vertex or a quadrilateral; the others are exceptions.
+    assert!(by_class[1] > seen.cells() / 10 && by_class[2] > seen.cells() / 10, "{by_class:?}");
+}
+
+fn bench_sort(criterion: &mut Criterion) {
+    const N: u32 = 1 << 20;
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut random = move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (state >> 32) as u32
+    };
+    let shuffled: Vec<Pair> = (0..N).map(|i| pair(random(), i)).collect();
+    let mut sorted = shuffled.clone();
+    sorted.sort_unstable();
+    // A view turned a little: one pair in ten thousand has moved.
+    let mut nearly = sorted.clone();
+    for _ in 0..N / 20_000 {
+        nearly.swap(random() as usize % N as usize, random() as usize % N as usize);
+    }
+    let mut group = criterion.benchmark_group("stage/sort");
+    group.sample_size(10);
+    throughput(&mut group, N.into(), 64);
+    let sorters: [(&str, Sorter); 4] = [
+        ("sort_local", sort_local),
+        ("sort", sort),
+        ("sort_coherent", sort_coherent),
+        ("std_sort_unstable", |pairs, _| pairs.sort_unstable()),
+    ];
+    for (input, pairs) in [("random", &shuffled), ("sorted", &sorted), ("nearly_sorted", &nearly)] {
+        for (name, sorter) in sorters {
+            let mut scratch = Vec::new();
+            let mut answer = pairs.clone();
+            sorter(&mut answer, &mut scratch);
+            assert!(answer == sorted, "{name} of {input} pairs");
+            group.bench_function(format!("{name}/{input}"), |b| {
+                b.iter_batched_ref(|| pairs.clone(), |pairs| sorter(pairs, &mut scratch), BatchSize::LargeInput);
+            });
+        }
+    }
+
+    let seen = Seen::new(Kind::Delaunay);
+    let every = all_cells();
+    throughput(&mut group, seen.cells(), 16 + 4 * size_of::<SceneVertex>() + 4);
+    for key in [SortKey::Centroid, SortKey::Power] {
+        let keys = KeyMaker::new(key, &seen.view);
+        let mut out: Vec<u32> = Vec::new();
+        let mut stage = || {
+            out.clear();
+            seen.each_block(&every, |block, cells| keys.keys(block, &seen.vertices, cells, &mut out));
+        };
+        stage();
+        group.bench_function(format!("keys/{}", key.name()), |b| b.iter(&mut stage));
+        assert_eq!(out.len() as u64, seen.cells());
+        let nearest = |i: &usize| seen.mesh.dataset.tets[*i].map(|v| seen.screen[v as usize].depth);
+        let by_key = |i: &usize| out[*i];
+        let (first, last) = ((0..out.len()).min_by_key(by_key), (0..out.len()).max_by_key(by_key));
+        let depth = |cell: Option<usize>| cell.map_or(0.0, |i| nearest(&i).into_iter().fold(f32::INFINITY, f32::min));
+        assert!(depth(first) < depth(last), "the smallest key is nearer than the largest");
+    }
+}
+
+fn bench_fans(criterion: &mut Criterion) {
+    let seen = Seen::new(Kind::Delaunay);
+    let input = FanInput::new(&seen.view, &seen.mesh.dataset, &seen.vertices, None);
+    let cells = 0..seen.cells() as u32;
+    let mut group = criterion.benchmark_group("stage/fans");
+    let counts = fans::count(&input, cells.clone());
+    let (mut headers, mut vertices) = (vec![Fan::default(); counts.fans], vec![FanVertex::default(); counts.vertices]);
+    throughput(&mut group, seen.cells(), 16 + 4 * size_of::<SceneVertex>());
+    group.bench_function("count", |b| b.iter(|| assert_eq!(fans::count(&input, cells.clone()), counts)));
+    let bytes_each = 16 + 4 * size_of::<SceneVertex>() + size_of::<FanVertex>() * counts.vertices / counts.fans;
+    throughput(&mut group, seen.cells(), bytes_each);
+    let mut stage = || {
+        let slot = FanSlot { fans: &mut headers, vertices: &mut vertices, first_vertex: 0 };
+        fans::write(&input, cells.clone(), slot)
+    };
+    stage();
+    group.bench_function("write", |b| b.iter(&mut stage));
+
+    // Each ray that enters leaves once: fans cover half the area of the projected faces.
+    let area = |[a, b, c]: [glam::Vec2; 3]| 0.5 * f64::from((b - a).perp_dot(c - a).abs());
+    let xy = |vertex: &FanVertex| glam::Vec2::from_array(vertex.position_px);
+    let ends = headers.iter().skip(1).map(|fan| fan.first_vertex as usize).chain([vertices.len()]);
+    let of_fans: f64 = headers
+        .iter()
+        .zip(ends)
+        .flat_map(|(fan, end)| {
+            let ring = &vertices[fan.first_vertex as usize..end];
+            ring[1..].windows(2).map(|two| area([xy(&ring[0]), xy(&two[0]), xy(&two[1])])).collect::<Vec<_>>()
+        })
+        .sum();
+    let faces: f64 = seen
+        .mesh
+        .dataset
+        .tets
+        .iter()
+        .map(|tet| {
+            let [a, b, c, d] = tet.map(|v| seen.screen[v as usize].xy());
+            0.5 * [[b, c, d], [a, c, d], [a, b, d], [a, b, c]].map(area).iter().sum::<f64>()
+        })
+        .sum();
+    assert!((of_fans / faces - 1.0).abs() < 1e-4, "fans cover {of_fans} px², half the faces {faces}");
+}
+
+fn bench_footprints(criterion: &mut Criterion) {
+    let seen = Seen::new(Kind::Tets);
+    let every = all_cells();
+    let mut group = criterion.benchmark_group("stage/footprints");
+    throughput(&mut group, seen.cells(), 16 + 4 * size_of::<ScreenVertex>() + 12);
+    let boxes = PixelBoxes::new(&seen.view);
+    let (mut drawn, mut areas): (Vec<u32>, Vec<PixelBox>) = (Vec::new(), Vec::new());
+    let mut stage = || {
+        drawn.clear();
+        areas.clear();
+        seen.each_block(&every, |block, cells| {
+            boxes.of_cells(block, &seen.vertices, &seen.screen, cells, &mut drawn, &mut areas);
+        });
+    };
+    stage();
+    group.bench_function("boxes", |b| b.iter(&mut stage));
+    // The mesh is in view and its cells are some pixels wide: all but slivers between pixel centres have a box, and
+    // the boxes cover what their cells do, a sixth of it or so.
+    assert!(drawn.len() == areas.len() && drawn.len() as u64 > seen.cells() / 2);
+    let pixels: f64 = areas.iter().map(|a| f64::from(a.x1 - a.x0) * f64::from(a.y1 - a.y0)).sum();
+    let covered: f64 = seen
+        .mesh
+        .dataset
+        .tets
+        .iter()
+        .map(|tet| {
+            let [a, b, c, d] = tet.map(|v| seen.screen[v as usize].xy());
+            let area = |a: glam::Vec2, b: glam::Vec2, c: glam::Vec2| f64::from((b - a).perp_dot(c - a).abs());
+            0.25 * (area(a, b, c) + area(a, b, d) + area(a, c, d) + area(b, c, d))
+        })
+        .sum();
+    assert!(pixels > covered && pixels < 10.0 * covered, "boxes of {pixels} px for cells of {covered} px");
+
+    let rays = TileRays::new(&seen.view, SIDE_PX / 2, SIDE_PX / 2, 32);
+    let dataset = &seen.mesh.dataset;
+    let (mut corners, mut batch) = (Corners::default(), Batch::default());
+    throughput(&mut group, seen.cells(), 16 + 4 * size_of::<SceneVertex>() + size_of::<Batch>() / LANES);
+    let mut stage = || {
+        let mut sum = 0.0_f64;
+        for (chunk, cells) in dataset.tets.chunks(LANES).enumerate() {
+            for (lane, &tet) in cells.iter().enumerate() {
+                corners.set(lane, tet, &seen.vertices, dataset.positive.get(chunk * LANES + lane));
+            }
+            black_box(&mut batch).set_up(&rays, &corners);
+            sum += batch.v_max[..cells.len()].iter().map(|&v| f64::from(v)).sum::<f64>();
+        }
+        sum
+    };
+    let sum = stage();
+    group.bench_function("planes", |b| b.iter(&mut stage));
+    let nearest = |tet: &[u32; 4]| tet.iter().fold(f32::INFINITY, |w, &v| w.min(seen.screen[v as usize].depth));
+    let expected: f64 = dataset.tets.iter().map(|tet| 1.0 / f64::from(nearest(tet))).sum();
+    assert!((sum / expected - 1.0).abs() < 1e-5, "{sum} is not {expected}");
+}
+
+fn bench_integral(criterion: &mut Criterion) {
+    const N: usize = 1 << 14;
+    let depth = |i: usize, largest: f32| (i * 7919 % N) as f32 / N as f32 * largest;
+    let mut group = criterion.benchmark_group("optics/integral");
+    throughput(&mut group, N as u64, 20);
+    // Function pointers would not inline: a macro makes a loop of each kernel.
+    macro_rules! kernel {
+        ($name:literal, $kernel:path, $largest:expr, $tolerance:expr) => {
+            let _: Kernel = $kernel;
+            let x: Vec<f32> = (0..N).map(|i| depth(i, $largest)).collect();
+            let y: Vec<f32> = (0..N).map(|i| depth(N - i, $largest)).collect();
+            let mut out = [vec![0.0_f32; N], vec![0.0; N], vec![0.0; N]];
+            let mut stage = || {
+                let [w0, w1, t] = &mut out;
+                for ((((&x, &y), w0), w1), t) in black_box(&x).iter().zip(&y).zip(w0).zip(w1).zip(t) {
+                    let weights = $kernel(x, y);
+                    (*w0, *w1, *t) = (weights.w0, weights.w1, weights.transmittance);
+                }
+            };
+            stage();
+            group.bench_function($name, |b| b.iter(&mut stage));
+            for i in 0..N {
+                let exact = (-0.5 * (f64::from(x[i]) + f64::from(y[i]))).exp();
+                assert!((f64::from(out[2][i]) - exact).abs() < $tolerance, "T({}, {})", x[i], y[i]);
+                assert!((f64::from(out[0][i] + out[1][i]) - (1.0 - exact)).abs() < $tolerance);
+            }
+        };
+    }
+    kernel!("thin", segment_weights_thin, 2.0, 1e-6);
+    kernel!("any_depth", segment_weights, 20.0, 1e-6);
+    kernel!("average", segment_weights_average, 20.0, 1e-6);
+}
+
+/// A pool of one thread, for stages that spread over all there are.
+fn rayon_of_one() -> rayon::ThreadPool {
+    rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread can be had")
+}
+
+criterion_group!(
+    benches,
+    bench_project,
+    bench_cull,
+    bench_classify,
+    bench_sort,
+    bench_fans,
+    bench_footprints,
+    bench_integral
+);
+criterion_main!(benches);
