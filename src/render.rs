@@ -262,7 +262,7 @@ impl Renderer {
     }
 }
 
-/// Puts the drawn cells in the order of the sort and counts the neighbours that stand the wrong way round.
+/// Puts all cells in the order of the sort and counts the neighbours that stand the wrong way round.
 fn misordered_pairs(frame: &Frame) -> u64 {
     let keys = KeyMaker::new(frame.sort_key, frame.view);
     let mut order: Vec<Pair> = Vec::new();

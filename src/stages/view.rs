@@ -78,6 +78,12 @@ impl View {
         (self.inverse_depth(self.far), self.inverse_depth(self.near))
     }
 
+    /// What a projected coordinate may be off by, in pixels: a few ulp of the picture's side, 1e-3 up to 1024.
+    pub fn pad_px(&self) -> f32 {
+        let [width, height] = self.size_px;
+        1e-3 * (width.max(height) as f32 / 1024.0).max(1.0)
+    }
+
     /// World length per scene unit of view depth along the ray of picture position (x, y).
     #[inline]
     pub fn length_world_per_depth(&self, x: f64, y: f64) -> f64 {

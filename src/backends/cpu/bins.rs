@@ -19,7 +19,7 @@ use crate::stages::{ScreenVertex, View};
 
 /// Side of a tile in pixels.
 pub(super) const TILE: u32 = 32;
-/// A cell on more tiles than this is listed once instead of once a tile.
+/// A cell on more tiles than this is listed once instead of once a tile; chosen: few cells are so large.
 const MANY_TILES: usize = 64;
 /// Chunks of blocks; enough for work stealing, few enough for the counts of all tiles.
 const CHUNKS: usize = 64;

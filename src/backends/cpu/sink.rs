@@ -93,9 +93,10 @@ impl<const HELD: usize> Blend<HELD> {
 
     /// Blends what is held back.
     pub(super) fn finish<O: Optics>(&mut self) {
-        for (block, held) in self.held.clone().iter().enumerate() {
-            for Fragment16 { v_enter, contribution } in held {
-                self.blend::<O>(block, &[u32::MAX; LANES], v_enter, contribution);
+        for block in 0..BLOCKS {
+            for nearest in 0..HELD {
+                let Fragment16 { v_enter, contribution } = self.held[block][nearest];
+                self.blend::<O>(block, &[u32::MAX; LANES], &v_enter, &contribution);
             }
         }
     }

@@ -67,13 +67,13 @@ pub(super) struct TileFrame<'a> {
     rays: TileRays,
     lanes: LaneGrid,
     /// World length per unit of view depth, per pixel.
-    length_world_per_depth: Box<[Lanes; BLOCKS]>,
+    length_world_per_depth: [Lanes; BLOCKS],
 }
 
 impl<'a> TileFrame<'a> {
     pub(super) fn new(frame: &'a Frame<'a>, [x, y]: [u32; 2]) -> Self {
         let view: &View = frame.view;
-        let mut length_world_per_depth = Box::new([[0.0; LANES]; BLOCKS]);
+        let mut length_world_per_depth = [[0.0; LANES]; BLOCKS];
         for (block, lengths) in length_world_per_depth.iter_mut().enumerate() {
             for (lane, length) in lengths.iter_mut().enumerate() {
                 let [column, row] = pixel_of(block, lane);

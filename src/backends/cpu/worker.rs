@@ -18,8 +18,8 @@ use crate::stages::sort::radix::{Pair, sort_local};
 /// wrong on the meshes it is chosen for.
 const HELD_BY_POWER: usize = 2;
 
-/// The same for other keys. On a grid jittered by a fifth, sorted by centroids, holding 1, 2, 3, 4 leaves 2e-3, 1e-4, 6e-6,
-/// 5e-7 of the fragments out of order; each costs some per cent of a frame, and a block out of order is drawn twice.
+/// The same for other keys. Of 1.36 million cells of a grid jittered by a quarter (1024², sorted by centroids), holding 2, 3, 4
+/// left 13,381, 1,625 and 138 fragments out of order; a block out of order is drawn twice.
 const HELD: usize = 4;
 
 /// Slack of the order check in inverse depth, relative (perspective) or in scene units (parallel rays): some ulp, where

@@ -41,9 +41,7 @@ impl PixelBoxes {
     /// For one view.
     pub fn new(view: &View) -> Self {
         let size_px = Vec2::from_array(view.size_px.map(|side| side as f32));
-        // A projected coordinate is rounded by a few ulp of the picture's side: 1e-3 pixel covers it up to 1024.
-        let pad_px = 1e-3 * (size_px.max_element() / 1024.0).max(1.0);
-        Self { projection: view.projection(), near: view.near, far: view.far, size_px, pad_px }
+        Self { projection: view.projection(), near: view.near, far: view.far, size_px, pad_px: view.pad_px() }
     }
 
     /// The pixels whose centres the cell may cover; `None` if there is none.

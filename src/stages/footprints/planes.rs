@@ -16,7 +16,7 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::optics::lanes::{LANES, Mask, mask, select};
+use crate::optics::lanes::{LANES, Mask, mask, max, min, select};
 use crate::stages::classify::{FACES, OUTWARD_IF_POSITIVE};
 use crate::stages::{SceneVertex, View};
 
@@ -120,7 +120,7 @@ impl TileRays {
             near: view.near,
             side_px: side_px as f32,
             pixel: view.step_x.length() as f32,
-            pad_px: 1e-3 * (view.size_px[0].max(view.size_px[1]) as f32 / 1024.0).max(1.0),
+            pad_px: view.pad_px(),
         }
     }
 }
@@ -332,14 +332,4 @@ fn cross(a: Vec3, b: Vec3) -> Vec3 {
 #[inline(always)]
 fn norm_1(a: Vec3) -> f32 {
     a.x.abs() + a.y.abs() + a.z.abs()
-}
-
-#[inline(always)]
-fn min(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-#[inline(always)]
-fn max(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
 }

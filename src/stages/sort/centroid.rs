@@ -1,7 +1,7 @@
 //! `centroid`: the distance of a cell's centroid, the key of most projected-tetrahedra renderers; approximate.
 //!
 //! In perspective from the eye, not along the view axis: on a regular grid of split boxes that order is exact, and on a
-//! jittered one it exchanges half as many neighbours.
+//! jittered one it exchanges fewer neighbours than depth does.
 
 use glam::Vec3;
 

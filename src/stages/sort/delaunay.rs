@@ -42,8 +42,8 @@ pub fn delaunay_share(dataset: &Dataset) -> f64 {
 
 /// The key that exchanges fewer neighbours of this mesh.
 ///
-/// Measured on generated meshes of 10^5 cells (`--check-order`): Delaunay, power 0 % and centroid 5 %; a regular grid in six,
-/// power 21 % and centroid 0 %; jittered by 0.25, power 25 % and centroid 9 %.
+/// Measured on generated meshes of 10^5 cells, misordered among all neighbours (`--check-order`): Delaunay, power 0.0 % and
+/// centroid 18 %; a regular grid in six, power 18 % and centroid 0 %; jittered by 0.25, power 25 % and centroid 9 %.
 pub fn best_key(dataset: &Dataset) -> SortKey {
     if delaunay_share(dataset) > 0.95 { SortKey::Power } else { SortKey::Centroid }
 }

@@ -31,7 +31,7 @@ pub fn index_of(pair: Pair) -> u32 {
 const DIGITS: usize = 256;
 /// Bits of the key, digit by digit, within the packed word.
 const SHIFTS: [u32; 4] = [32, 40, 48, 56];
-/// Below this many pairs the library's sort is faster (bench `stage/sort`).
+/// Below this many pairs the library's sort is used: four passes and their counts cost the same for any few. Chosen, not measured.
 const SMALL: usize = 384;
 /// Pairs a thread takes at least; below two of these one thread does it all.
 const CHUNK: usize = 1 << 16;
@@ -132,7 +132,7 @@ fn order_ties(pairs: &mut [Pair]) {
 /// they are; anything else goes to [`sort`].
 pub fn sort_coherent(pairs: &mut Vec<Pair>, scratch: &mut Vec<Pair>) {
     let descents = pairs.par_windows(2).filter(|two| two[0] > two[1]).count();
-    // A merge of runs costs a pass per doubling: worth it while runs are long (bench `stage/sort`).
+    // A merge of runs costs a pass per doubling: worth it while runs are long. The limit is chosen, not measured.
     if descents == 0 {
     } else if descents < pairs.len() / 4096 {
         pairs.par_sort();
