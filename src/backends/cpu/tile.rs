@@ -101,6 +101,7 @@ pub(super) fn composite<O: Optics, S: Sink<O>, const PERSPECTIVE: bool>(
     let cell_values = frame.cell_values();
     let mut corners = Corners::default();
     let mut batch = Batch::default();
+    let mut hits = Hits::new();
     for cells in order.chunks(LANES) {
         if sink.is_all_done() {
             return;
@@ -118,7 +119,7 @@ pub(super) fn composite<O: Optics, S: Sink<O>, const PERSPECTIVE: bool>(
                 first: frame.pieces.piece_of(batch.s_min[lane]),
                 last: frame.pieces.piece_of(batch.s_max[lane]),
             };
-            draw_cell::<O, S, PERSPECTIVE>(tile, optics, (&batch, &corners), lane, span, sink);
+            draw_cell::<O, S, PERSPECTIVE>(tile, optics, (&batch, &corners), lane, span, &mut hits, sink);
         }
     }
 }
@@ -187,6 +188,58 @@ fn cover<const FRONTS: usize>(
     }
 }
 
+/// The blocks in which a cell has fragments: found in one pass, shaded in another, so that the passes have no branch that
+/// depends on what was just computed.
+struct Hits {
+    len: usize,
+    block: [u8; BLOCKS],
+    /// Inverse depths; equal in lanes that miss the cell.
+    v_enter: [Lanes; BLOCKS],
+    v_leave: [Lanes; BLOCKS],
+}
+
+impl Hits {
+    fn new() -> Self {
+        Self { len: 0, block: [0; BLOCKS], v_enter: [[0.0; LANES]; BLOCKS], v_leave: [[0.0; LANES]; BLOCKS] }
+    }
+
+    /// Finds the blocks of a cell whose first `FRONTS` planes are front faces.
+    #[inline(always)]
+    fn find<O: Optics, S: Sink<O>, const FRONTS: usize>(
+        &mut self,
+        planes: &[AffineLanes; 4],
+        [x0, x1, y0, y1]: [usize; 4],
+        v_range: (f32, f32),
+        sink: &S,
+    ) {
+        let mut len = 0;
+        for block_y in y0 / BLOCK..y1.div_ceil(BLOCK) {
+            for block_x in x0 / BLOCK..x1.div_ceil(BLOCK) {
+                let block = block_y * BLOCKS_A_SIDE + block_x;
+                if sink.is_done(block, v_range.1) {
+                    continue;
+                }
+                let origin = [(block_x * BLOCK) as f32, (block_y * BLOCK) as f32];
+                let (mut v_enter, mut v_leave) = ([0.0; LANES], [0.0; LANES]);
+                cover::<FRONTS>(planes, origin, v_range, &mut v_enter, &mut v_leave);
+                let mut is_hit = [0; LANES];
+                for i in 0..LANES {
+                    is_hit[i] = mask(v_enter[i] > v_leave[i]);
+                }
+                // A lane that misses takes any depth of the cell, with no length: nothing infinite, nothing to mask later.
+                let place = len % BLOCKS;
+                for i in 0..LANES {
+                    self.v_enter[place][i] = select(is_hit[i], v_enter[i], v_range.1);
+                    self.v_leave[place][i] = select(is_hit[i], v_leave[i], v_range.1);
+                }
+                self.block[place] = block as u8;
+                len += usize::from(is_any(&is_hit));
+            }
+        }
+        self.len = len;
+    }
+}
+
 #[inline(always)]
 fn draw_cell<O: Optics, S: Sink<O>, const PERSPECTIVE: bool>(
     tile: &TileFrame,
@@ -194,6 +247,7 @@ fn draw_cell<O: Optics, S: Sink<O>, const PERSPECTIVE: bool>(
     (batch, corners): (&Batch, &Corners),
     lane: usize,
     span: PieceSpan,
+    hits: &mut Hits,
     sink: &mut S,
 ) {
     let (planes, fronts) = sort_planes(&tile.lanes, batch, lane);
@@ -201,44 +255,32 @@ fn draw_cell<O: Optics, S: Sink<O>, const PERSPECTIVE: bool>(
     let steep = (batch.is_steep[lane] != 0).then(|| SteepCell::new(tile, batch, corners, lane));
     let v_range = (batch.v_min[lane], batch.v_max[lane]);
     let side = |k: usize| batch.boxes[k][lane] as usize;
-    let (x0, x1, y0, y1) = (side(0), side(1), side(2), side(3));
-    for block_y in y0 / BLOCK..y1.div_ceil(BLOCK) {
-        for block_x in x0 / BLOCK..x1.div_ceil(BLOCK) {
-            let block = block_y * BLOCKS_A_SIDE + block_x;
-            if sink.is_done(block, v_range.1) {
-                continue;
-            }
-            let origin = [(block_x * BLOCK) as f32, (block_y * BLOCK) as f32];
-            let (mut v_enter, mut v_leave) = ([0.0; LANES], [0.0; LANES]);
-            match fronts {
-                0 => cover::<0>(&planes, origin, v_range, &mut v_enter, &mut v_leave),
-                1 => cover::<1>(&planes, origin, v_range, &mut v_enter, &mut v_leave),
-                2 => cover::<2>(&planes, origin, v_range, &mut v_enter, &mut v_leave),
-                3 => cover::<3>(&planes, origin, v_range, &mut v_enter, &mut v_leave),
-                _ => cover::<4>(&planes, origin, v_range, &mut v_enter, &mut v_leave),
-            }
-            let mut is_hit = [0; LANES];
-            for i in 0..LANES {
-                is_hit[i] = mask(v_enter[i] > v_leave[i]);
-            }
-            if !is_any(&is_hit) {
-                continue;
-            }
-            // A lane that misses takes any depth of the cell, with no length: nothing infinite, nothing to mask later.
-            for i in 0..LANES {
-                v_enter[i] = select(is_hit[i], v_enter[i], v_range.1);
-                v_leave[i] = select(is_hit[i], v_leave[i], v_range.1);
-            }
-            let lengths = &tile.length_world_per_depth[block];
-            let mut segments = scalar.segments::<PERSPECTIVE>(origin, &v_enter, &v_leave, lengths);
-            if let Some(steep) = &steep {
-                // By value: what a call could see would have to stay in memory for all cells.
-                segments = steep.corrected::<PERSPECTIVE>(tile, origin, (v_enter, v_leave), segments);
-            }
-            let mut contribution = [[0.0; LANES]; 4];
-            optics.contribution(span, &segments, &mut contribution);
-            sink.accept(&Fragments { block, is_hit: &is_hit, v_enter: &v_enter, contribution: &contribution });
+    let sides = [side(0), side(1), side(2), side(3)];
+    match fronts {
+        0 => hits.find::<O, S, 0>(&planes, sides, v_range, sink),
+        1 => hits.find::<O, S, 1>(&planes, sides, v_range, sink),
+        2 => hits.find::<O, S, 2>(&planes, sides, v_range, sink),
+        3 => hits.find::<O, S, 3>(&planes, sides, v_range, sink),
+        _ => hits.find::<O, S, 4>(&planes, sides, v_range, sink),
+    }
+    for hit in 0..hits.len {
+        let hit = hit % BLOCKS;
+        let block = hits.block[hit] as usize % BLOCKS;
+        let (v_enter, v_leave) = (hits.v_enter[hit], hits.v_leave[hit]);
+        let origin = [(block % BLOCKS_A_SIDE * BLOCK) as f32, (block / BLOCKS_A_SIDE * BLOCK) as f32];
+        let mut is_hit = [0; LANES];
+        for i in 0..LANES {
+            is_hit[i] = mask(v_enter[i] > v_leave[i]);
         }
+        let lengths = &tile.length_world_per_depth[block];
+        let mut segments = scalar.segments::<PERSPECTIVE>(origin, &v_enter, &v_leave, lengths);
+        if let Some(steep) = &steep {
+            // By value: what a call could see would have to stay in memory for all cells.
+            segments = steep.corrected::<PERSPECTIVE>(tile, origin, (v_enter, v_leave), segments);
+        }
+        let mut contribution = [[0.0; LANES]; 4];
+        optics.contribution(span, &segments, &mut contribution);
+        sink.accept(&Fragments { block, is_hit: &is_hit, v_enter: &v_enter, contribution: &contribution });
     }
 }
 
