@@ -2,9 +2,9 @@
 //!
 //! Contribution: the optical depth of each band, summed in any order and exponentiated last.
 
-use super::compositing::{Optics, PieceSpan, Piecewise, at, piecewise};
-use super::integral::product_mean;
-use super::lanes::{Contribution, LANES, Segments};
+use super::compositing::{CellSpan, Optics, Piecewise, piecewise};
+use super::emission::sums;
+use super::lanes::{Contribution, Segments};
 use super::pieces::{Piece, Pieces};
 
 /// The exact optical depth: κ and the band weights are linear on a piece.
@@ -19,7 +19,7 @@ impl Optics for Absorption<'_> {
     const CLEAR: [f32; 4] = [0.0; 4];
 
     #[inline(always)]
-    fn contribution(&self, span: PieceSpan, segments: &Segments, out: &mut Contribution) {
+    fn contributions(&self, span: CellSpan, segments: &[Segments], out: &mut [Contribution]) {
         piecewise::<Self>(self.pieces, span, segments, out);
     }
 
@@ -40,14 +40,7 @@ impl Optics for Absorption<'_> {
 
 impl Piecewise for Absorption<'_> {
     #[inline(always)]
-    fn of_piece(piece: &Piece, segments: &Segments, out: &mut Contribution) {
-        for i in 0..LANES {
-            let (k0, c0) = at(piece, segments.enter[i]);
-            let (k1, c1) = at(piece, segments.leave[i]);
-            for c in 0..3 {
-                out[c][i] = segments.length_world[i] * product_mean(k0, k1, c0[c], c1[c]);
-            }
-            out[3][i] = segments.length_world[i] * 0.5 * (k0 + k1);
-        }
+    fn of_piece(piece: &Piece, _: f32, segments: &[Segments], out: &mut [Contribution]) {
+        sums(piece, segments, out);
     }
 }

@@ -4,7 +4,7 @@
 //! [`Averaged`]: CellFast and Shirley and Tuchman, opacity 1 − e^(−mean κ·ℓ). [`Textured`]: Schussman and Max, the same opacity
 //! from a texture.
 
-use super::compositing::{Optics, PieceSpan, at};
+use super::compositing::{CellSpan, Optics, at};
 use super::integral::{SegmentWeights, segment_weights_average};
 use super::lanes::{Contribution, LANES, Segments};
 use super::pieces::Pieces;
@@ -53,18 +53,20 @@ impl<'a> Textured<'a> {
 #[inline(always)]
 fn of_ends(
     pieces: &Pieces,
-    segments: &Segments,
+    segments: &[Segments],
     weights: impl Fn(f32, f32, f32) -> SegmentWeights,
-    out: &mut Contribution,
+    out: &mut [Contribution],
 ) {
-    for i in 0..LANES {
-        let end = |s: f32| at(pieces.piece(pieces.piece_of(s)), s);
-        let ((k0, c0), (k1, c1)) = (end(segments.enter[i]), end(segments.leave[i]));
-        let w = weights(segments.length_world[i], k0, k1);
-        for c in 0..3 {
-            out[c][i] = w.w0 * c0[c] + w.w1 * c1[c];
+    let end = |s: f32| at(pieces.piece(pieces.piece_of(s)), s);
+    for (segments, out) in segments.iter().zip(out) {
+        for i in 0..LANES {
+            let ((k0, c0), (k1, c1)) = (end(segments.enter[i]), end(segments.leave[i]));
+            let w = weights(segments.length_world[i], k0, k1);
+            for c in 0..3 {
+                out[c][i] = w.w0 * c0[c] + w.w1 * c1[c];
+            }
+            out[3][i] = w.transmittance;
         }
-        out[3][i] = w.transmittance;
     }
 }
 
@@ -93,7 +95,7 @@ impl Optics for Averaged<'_> {
     composite_like_emission_absorption!();
 
     #[inline(always)]
-    fn contribution(&self, _: PieceSpan, segments: &Segments, out: &mut Contribution) {
+    fn contributions(&self, _: CellSpan, segments: &[Segments], out: &mut [Contribution]) {
         of_ends(self.pieces, segments, |length, k0, k1| segment_weights_average(k0 * length, k1 * length), out);
     }
 }
@@ -102,7 +104,7 @@ impl Optics for Textured<'_> {
     composite_like_emission_absorption!();
 
     #[inline(always)]
-    fn contribution(&self, _: PieceSpan, segments: &Segments, out: &mut Contribution) {
+    fn contributions(&self, _: CellSpan, segments: &[Segments], out: &mut [Contribution]) {
         of_ends(self.pieces, segments, |length, k0, k1| self.texture.segment_weights(length, k0, k1), out);
     }
 }

@@ -14,9 +14,8 @@ pub trait Optics: Sync {
     /// The contribution of nothing.
     const CLEAR: [f32; 4];
 
-    /// What each lane's segment contributes; `span` holds the pieces that the cell's values touch. A segment of length 0
-    /// contributes [`Self::CLEAR`].
-    fn contribution(&self, span: PieceSpan, segments: &Segments, out: &mut Contribution);
+    /// What each segment of a cell contributes, `segments[i]` to `out[i]`. A segment of length 0 contributes [`Self::CLEAR`].
+    fn contributions(&self, span: CellSpan, segments: &[Segments], out: &mut [Contribution]);
 
     /// The contribution of two parts of a ray.
     fn over(front: [f32; 4], back: [f32; 4]) -> [f32; 4];
@@ -28,50 +27,88 @@ pub trait Optics: Sync {
     fn pixel(&self, contribution: [f32; 4]) -> [f32; 4];
 }
 
-/// The pieces of a transfer function that a cell's values touch, both ends included.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PieceSpan {
+/// The stored values of a cell, and the pieces of a transfer function that they touch, both ends included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CellSpan {
     /// Piece of the smallest value.
     pub first: usize,
     /// Piece of the largest value.
     pub last: usize,
+    s_min: f32,
+    s_max: f32,
+}
+
+impl CellSpan {
+    /// For values from `s_min` to `s_max`.
+    #[inline]
+    pub fn new(pieces: &Pieces, s_min: f32, s_max: f32) -> Self {
+        Self { first: pieces.piece_of(s_min), last: pieces.piece_of(s_max), s_min, s_max }
+    }
 }
 
 /// A model whose integral is known where extinction and colour are linear; without extinction nothing shows.
 pub(super) trait Piecewise: Optics {
-    /// What each lane's segment, within one piece, contributes.
-    fn of_piece(piece: &Piece, segments: &Segments, out: &mut Contribution);
+    /// What each segment, within one piece, contributes; no segment's mean optical depth is above `depth_max`.
+    fn of_piece(piece: &Piece, depth_max: f32, segments: &[Segments], out: &mut [Contribution]);
 }
 
 /// Cuts segments where they pass from piece to piece and composites the parts.
 #[inline(always)]
-pub(super) fn piecewise<O: Piecewise>(pieces: &Pieces, span: PieceSpan, segments: &Segments, out: &mut Contribution) {
+pub(super) fn piecewise<O: Piecewise>(
+    pieces: &Pieces,
+    span: CellSpan,
+    segments: &[Segments],
+    out: &mut [Contribution],
+) {
+    let length_max = length_max(segments);
+    // Extinction is linear on a piece: largest where the cell's values, or the piece, end.
+    let depth_max = |k: usize| {
+        let piece = pieces.piece(k);
+        let (low, high) = (max(span.s_min, pieces.start_of(k)), min(span.s_max, pieces.end_of(k)));
+        length_max * max(piece.extinction_at(low), piece.extinction_at(high))
+    };
     if span.first == span.last {
-        O::of_piece(pieces.piece(span.first), segments, out);
+        O::of_piece(pieces.piece(span.first), depth_max(span.first), segments, out);
         return;
     }
-    *out = O::CLEAR.map(|clear| [clear; LANES]);
-    let ramp = Ramp::new(segments);
-    for k in span.first..=span.last {
-        if pieces.piece(k).is_transparent() {
-            continue;
-        }
-        let (part, is_met) = ramp.cut(pieces.start_of(k), pieces.end_of(k));
-        if !is_any(&is_met) {
-            continue;
-        }
-        let mut added = [[0.0; LANES]; 4];
-        O::of_piece(pieces.piece(k), &part, &mut added);
-        for i in 0..LANES {
-            let so_far = [out[0][i], out[1][i], out[2][i], out[3][i]];
-            let added = [added[0][i], added[1][i], added[2][i], added[3][i]];
-            // Pieces are visited by rising value: along a falling ray each one lies in front of those before it.
-            let (behind, ahead) = (O::over(so_far, added), O::over(added, so_far));
-            for c in 0..4 {
-                out[c][i] = select(ramp.is_rising[i], behind[c], ahead[c]);
+    for (&segments, out) in segments.iter().zip(out) {
+        let mut sum = O::CLEAR.map(|clear| [clear; LANES]);
+        let ramp = Ramp::new(&segments);
+        for k in span.first..=span.last {
+            if pieces.piece(k).is_transparent() {
+                continue;
+            }
+            let (part, is_met) = ramp.cut(pieces.start_of(k), pieces.end_of(k));
+            if !is_any(&is_met) {
+                continue;
+            }
+            let mut added = [[[0.0; LANES]; 4]];
+            O::of_piece(pieces.piece(k), depth_max(k), &[part], &mut added);
+            let [added] = added;
+            for i in 0..LANES {
+                let so_far = [sum[0][i], sum[1][i], sum[2][i], sum[3][i]];
+                let added = [added[0][i], added[1][i], added[2][i], added[3][i]];
+                // Pieces are visited by rising value: along a falling ray each one lies in front of those before it.
+                let (behind, ahead) = (O::over(so_far, added), O::over(added, so_far));
+                for c in 0..4 {
+                    sum[c][i] = select(ramp.is_rising[i], behind[c], ahead[c]);
+                }
             }
         }
+        *out = sum;
     }
+}
+
+/// The length of the longest segment.
+#[inline(always)]
+fn length_max(segments: &[Segments]) -> f32 {
+    let mut longest = [0.0; LANES];
+    for segments in segments {
+        for i in 0..LANES {
+            longest[i] = max(segments.length_world[i], longest[i]);
+        }
+    }
+    longest.iter().fold(0.0, |longest, &length| max(length, longest))
 }
 
 /// Segments, ready to be cut at values: their length is spread evenly between their end values.

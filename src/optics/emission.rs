@@ -1,6 +1,6 @@
 //! Emission: the gas glows and hides nothing. RGB = ∫ c κ dt, A = 0; the order does not matter.
 
-use super::compositing::{Optics, PieceSpan, Piecewise, at, piecewise};
+use super::compositing::{CellSpan, Optics, Piecewise, at, piecewise};
 use super::integral::product_mean;
 use super::lanes::{Contribution, LANES, Segments};
 use super::pieces::{Piece, Pieces};
@@ -17,7 +17,7 @@ impl Optics for Emission<'_> {
     const CLEAR: [f32; 4] = [0.0; 4];
 
     #[inline(always)]
-    fn contribution(&self, span: PieceSpan, segments: &Segments, out: &mut Contribution) {
+    fn contributions(&self, span: CellSpan, segments: &[Segments], out: &mut [Contribution]) {
         piecewise::<Self>(self.pieces, span, segments, out);
     }
 
@@ -38,14 +38,23 @@ impl Optics for Emission<'_> {
 
 impl Piecewise for Emission<'_> {
     #[inline(always)]
-    fn of_piece(piece: &Piece, segments: &Segments, out: &mut Contribution) {
+    fn of_piece(piece: &Piece, _: f32, segments: &[Segments], out: &mut [Contribution]) {
+        sums(piece, segments, out);
+    }
+}
+
+/// RGB: ∫ c κ dt, A: ∫ κ dt, of segments within one piece.
+#[inline(always)]
+pub(super) fn sums(piece: &Piece, segments: &[Segments], out: &mut [Contribution]) {
+    let piece = &{ *piece };
+    for (segments, out) in segments.iter().zip(out) {
         for i in 0..LANES {
             let (k0, c0) = at(piece, segments.enter[i]);
             let (k1, c1) = at(piece, segments.leave[i]);
             for c in 0..3 {
                 out[c][i] = segments.length_world[i] * product_mean(k0, k1, c0[c], c1[c]);
             }
-            out[3][i] = 0.0;
+            out[3][i] = segments.length_world[i] * 0.5 * (k0 + k1);
         }
     }
 }

@@ -3,11 +3,11 @@
 //! Contribution: premultiplied RGB and transmittance. `over` is Porter and Duff's.
 
 use super::attenuation::THIN_LIMIT;
-use super::compositing::{Optics, PieceSpan, Piecewise, at, piecewise};
+use super::compositing::{CellSpan, Optics, Piecewise, at, piecewise};
 use super::integral::{
     SegmentWeights, VERY_THIN_LIMIT, segment_weights, segment_weights_thin, segment_weights_very_thin,
 };
-use super::lanes::{Contribution, LANES, Lanes, Segments, is_any, mask};
+use super::lanes::{Contribution, LANES, Segments};
 use super::pieces::{Piece, Pieces};
 
 /// The exact integral of every piece.
@@ -17,23 +17,22 @@ pub struct EmissionAbsorption<'a> {
     pub pieces: &'a Pieces,
 }
 
-/// Colour and transmittance of each segment from its optical depths at entry and exit, by one form of the integral.
+/// Colour and transmittance of each segment by one form of the integral.
 #[inline(always)]
-fn weigh(
-    piece: &Piece,
-    segments: &Segments,
-    (depth_enter, depth_leave): (&Lanes, &Lanes),
-    weights: impl Fn(f32, f32) -> SegmentWeights,
-    out: &mut Contribution,
-) {
-    for i in 0..LANES {
-        let (_, c0) = at(piece, segments.enter[i]);
-        let (_, c1) = at(piece, segments.leave[i]);
-        let w = weights(depth_enter[i], depth_leave[i]);
-        for c in 0..3 {
-            out[c][i] = w.w0 * c0[c] + w.w1 * c1[c];
+fn weigh(piece: &Piece, segments: &[Segments], weights: impl Fn(f32, f32) -> SegmentWeights, out: &mut [Contribution]) {
+    let piece = &{ *piece };
+    for (&segments, out) in segments.iter().zip(out) {
+        let mut added = [[0.0; LANES]; 4];
+        for i in 0..LANES {
+            let (k0, c0) = at(piece, segments.enter[i]);
+            let (k1, c1) = at(piece, segments.leave[i]);
+            let w = weights(k0 * segments.length_world[i], k1 * segments.length_world[i]);
+            for c in 0..3 {
+                added[c][i] = w.w0 * c0[c] + w.w1 * c1[c];
+            }
+            added[3][i] = w.transmittance;
         }
-        out[3][i] = w.transmittance;
+        *out = added;
     }
 }
 
@@ -42,7 +41,7 @@ impl Optics for EmissionAbsorption<'_> {
     const CLEAR: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
 
     #[inline(always)]
-    fn contribution(&self, span: PieceSpan, segments: &Segments, out: &mut Contribution) {
+    fn contributions(&self, span: CellSpan, segments: &[Segments], out: &mut [Contribution]) {
         piecewise::<Self>(self.pieces, span, segments, out);
     }
 
@@ -64,23 +63,13 @@ impl Optics for EmissionAbsorption<'_> {
 
 impl Piecewise for EmissionAbsorption<'_> {
     #[inline(always)]
-    fn of_piece(piece: &Piece, segments: &Segments, out: &mut Contribution) {
-        let mut depth_enter = [0.0; LANES];
-        let mut depth_leave = [0.0; LANES];
-        let (mut is_thick, mut is_visible) = ([0; LANES], [0; LANES]);
-        for i in 0..LANES {
-            depth_enter[i] = at(piece, segments.enter[i]).0 * segments.length_world[i];
-            depth_leave[i] = at(piece, segments.leave[i]).0 * segments.length_world[i];
-            is_thick[i] = mask(depth_enter[i] + depth_leave[i] > 2.0 * THIN_LIMIT);
-            is_visible[i] = mask(depth_enter[i] + depth_leave[i] > 2.0 * VERY_THIN_LIMIT);
-        }
-        let depths = (&depth_enter, &depth_leave);
-        if !is_any(&is_visible) {
-            weigh(piece, segments, depths, segment_weights_very_thin, out);
-        } else if !is_any(&is_thick) {
-            weigh(piece, segments, depths, segment_weights_thin, out);
+    fn of_piece(piece: &Piece, depth_max: f32, segments: &[Segments], out: &mut [Contribution]) {
+        if depth_max <= VERY_THIN_LIMIT {
+            weigh(piece, segments, segment_weights_very_thin, out);
+        } else if depth_max <= THIN_LIMIT {
+            weigh(piece, segments, segment_weights_thin, out);
         } else {
-            weigh(piece, segments, depths, segment_weights, out);
+            weigh(piece, segments, segment_weights, out);
         }
     }
 }

@@ -21,6 +21,11 @@ pub struct Segments {
     pub length_world: Lanes,
 }
 
+impl Segments {
+    /// No segment in any lane.
+    pub const NONE: Self = Self { enter: [0.0; LANES], leave: [0.0; LANES], length_world: [0.0; LANES] };
+}
+
 /// What a segment adds to a ray, four numbers whose meaning is the optical model's.
 pub type Contribution = [Lanes; 4];
 

@@ -2,7 +2,7 @@
 //!
 //! Contribution: the largest stored value; the transfer function is read once per pixel, last.
 
-use super::compositing::{Optics, PieceSpan, at};
+use super::compositing::{CellSpan, Optics, at};
 use super::lanes::{Contribution, LANES, Segments, mask, max, select};
 use super::pieces::Pieces;
 
@@ -18,12 +18,14 @@ impl Optics for Mip<'_> {
     const CLEAR: [f32; 4] = [f32::NEG_INFINITY, 0.0, 0.0, 0.0];
 
     #[inline(always)]
-    fn contribution(&self, _: PieceSpan, segments: &Segments, out: &mut Contribution) {
-        *out = [[0.0; LANES]; 4];
-        for i in 0..LANES {
-            // The field is linear on a segment: its largest value is at an end.
-            let largest = max(segments.enter[i], segments.leave[i]);
-            out[0][i] = select(mask(segments.length_world[i] > 0.0), largest, f32::NEG_INFINITY);
+    fn contributions(&self, _: CellSpan, segments: &[Segments], out: &mut [Contribution]) {
+        for (segments, out) in segments.iter().zip(out) {
+            *out = [[0.0; LANES]; 4];
+            for i in 0..LANES {
+                // The field is linear on a segment: its largest value is at an end.
+                let largest = max(segments.enter[i], segments.leave[i]);
+                out[0][i] = select(mask(segments.length_world[i] > 0.0), largest, f32::NEG_INFINITY);
+            }
         }
     }
 

@@ -39,7 +39,7 @@ pub mod transfer;
 
 pub use absorption::Absorption;
 pub use averaged::{Averaged, Textured};
-pub use compositing::{Optics, PieceSpan};
+pub use compositing::{CellSpan, Optics};
 pub use cull_table::CullTable;
 pub use emission::Emission;
 pub use emission_absorption::EmissionAbsorption;

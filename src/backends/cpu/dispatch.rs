@@ -6,6 +6,9 @@
     reason = "a function compiled for more than the baseline may run only where the processor has it"
 )]
 
+#[cfg(target_arch = "x86_64")]
+use super::compress::ByAvx512;
+use super::compress::{ByLane, Compress};
 use super::sink::Sink;
 use super::tile::{self, TileFrame};
 use crate::optics::Optics;
@@ -74,7 +77,7 @@ impl Kernels {
     /// [`tile::composite`] for this instruction set.
     pub(super) fn composite<O: Optics, S: Sink<O>>(self, tile: &TileFrame, optics: &O, order: &[Pair], sink: &mut S) {
         match self.set {
-            InstructionSet::Baseline => composite(tile, optics, order, sink),
+            InstructionSet::Baseline => composite(tile, optics, order, ByLane, sink),
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `Kernels::new`, the only constructor, keeps a set only if `available` detected its features.
             InstructionSet::Avx2 => unsafe { composite_avx2(tile, optics, order, sink) },
@@ -87,22 +90,29 @@ impl Kernels {
 
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "each caller compiles it for another instruction set")]
-fn composite<O: Optics, S: Sink<O>>(tile: &TileFrame, optics: &O, order: &[Pair], sink: &mut S) {
+fn composite<O: Optics, S: Sink<O>>(
+    tile: &TileFrame,
+    optics: &O,
+    order: &[Pair],
+    compress: impl Compress,
+    sink: &mut S,
+) {
     if tile.is_perspective() {
-        tile::composite::<O, S, true>(tile, optics, order, sink);
+        tile::composite::<O, S, true>(tile, optics, order, compress, sink);
     } else {
-        tile::composite::<O, S, false>(tile, optics, order, sink);
+        tile::composite::<O, S, false>(tile, optics, order, compress, sink);
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn composite_avx2<O: Optics, S: Sink<O>>(tile: &TileFrame, optics: &O, order: &[Pair], sink: &mut S) {
-    composite(tile, optics, order, sink);
+    composite(tile, optics, order, ByLane, sink);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
 fn composite_avx512<O: Optics, S: Sink<O>>(tile: &TileFrame, optics: &O, order: &[Pair], sink: &mut S) {
-    composite(tile, optics, order, sink);
+    // SAFETY: this function itself may run only where the processor has AVX-512 F.
+    composite(tile, optics, order, unsafe { ByAvx512::new() }, sink);
 }

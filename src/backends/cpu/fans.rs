@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use crate::backends::{Counts, Frame};
 use crate::image::Image;
-use crate::optics::{Contribution, LANES, Optics, PieceSpan, Segments};
+use crate::optics::{CellSpan, LANES, Optics, Segments};
 use crate::profile::Profile;
 use crate::stages::classify::ProjectionClass;
 use crate::stages::cull;
@@ -184,7 +184,7 @@ impl Rows<'_> {
         let (low, high) = scalars
             .map(|[v, q]| if is_perspective { q / v } else { q })
             .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), s| (low.min(s), high.max(s)));
-        let span = PieceSpan { first: frame.pieces.piece_of(low), last: frame.pieces.piece_of(high) };
+        let span = CellSpan::new(frame.pieces, low, high);
         for two in ring[1..].windows(2) {
             self.draw_triangle(frame.view, optics, (span, [low, high]), [&ring[0], &two[0], &two[1]]);
         }
@@ -195,7 +195,7 @@ impl Rows<'_> {
         &mut self,
         view: &View,
         optics: &O,
-        cell: (PieceSpan, [f32; 2]),
+        cell: (CellSpan, [f32; 2]),
         triangle: [&FanVertex; 3],
     ) {
         let p = triangle.map(|vertex| DVec2::from_array(vertex.position_px.map(f64::from)));
@@ -279,13 +279,14 @@ impl LaneBuffer {
         self.len == LANES
     }
 
-    fn flush<O: Optics>(&mut self, optics: &O, span: PieceSpan, pixels: &mut [[f32; 4]]) {
+    fn flush<O: Optics>(&mut self, optics: &O, span: CellSpan, pixels: &mut [[f32; 4]]) {
         if self.len == 0 {
             return;
         }
         self.segments.length_world[self.len..].fill(0.0);
-        let mut contribution: Contribution = [[0.0; LANES]; 4];
-        optics.contribution(span, &self.segments, &mut contribution);
+        let mut contributions = [[[0.0; LANES]; 4]];
+        optics.contributions(span, &[self.segments], &mut contributions);
+        let [contribution] = contributions;
         for (i, &pixel) in self.pixels[..self.len].iter().enumerate() {
             let front = std::array::from_fn(|c| contribution[c][i]);
             pixels[pixel] = O::over(front, pixels[pixel]);

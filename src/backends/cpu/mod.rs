@@ -7,9 +7,13 @@
 
 mod bins;
 mod compositor;
+mod compress;
 mod dispatch;
 mod fans;
+mod hits;
+mod planes;
 mod sink;
+mod steep;
 mod tile;
 mod worker;
 
