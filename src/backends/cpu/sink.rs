@@ -6,7 +6,7 @@
 )]
 
 use super::tile::{BLOCKS, PIXELS};
-use crate::optics::lanes::{is_any, mask, min, select};
+use crate::optics::lanes::{mask, min, select};
 use crate::optics::{Contribution, LANES, Lanes, Mask, Optics};
 
 /// The fragments of one cell in one 4×4 block.
@@ -20,6 +20,10 @@ pub(super) struct Fragments<'a> {
     /// What each lane's segment contributes; nothing in lanes that miss.
     pub(super) contribution: &'a Contribution,
 }
+
+/// Bits of a pixel's state: what lies behind still shows; its last fragment lies before the one blended earlier.
+const IS_CLEAR: u32 = 1;
+const IS_LATE: u32 = 2;
 
 /// Takes fragments, cells in the tile's order.
 pub(super) trait Sink<O: Optics> {
@@ -120,7 +124,7 @@ impl<const HELD: usize> Blend<HELD> {
     #[inline(always)]
     fn blend<O: Optics>(&mut self, block: usize, is_hit: &Mask, v_enter: &Lanes, contribution: &Contribution) {
         let pixels = &mut self.pixels[block];
-        let mut is_clear = [0; LANES];
+        let mut states = [0; LANES];
         for i in 0..LANES {
             let front = [pixels[0][i], pixels[1][i], pixels[2][i], pixels[3][i]];
             let back = [contribution[0][i], contribution[1][i], contribution[2][i], contribution[3][i]];
@@ -128,27 +132,42 @@ impl<const HELD: usize> Blend<HELD> {
             for c in 0..4 {
                 pixels[c][i] = both[c];
             }
-            is_clear[i] = mask(O::transmittance(both) >= self.stop);
+            states[i] = mask(O::transmittance(both) >= self.stop) & IS_CLEAR;
         }
         if O::IS_ORDERED {
             let v_last = &mut self.v_last[block];
-            let mut is_late = [0; LANES];
             for i in 0..LANES {
                 let last = v_last[i];
                 let limit = last + (last.abs() * self.slack.relative + self.slack.absolute);
-                is_late[i] = is_hit[i] & mask(v_enter[i] > limit);
+                states[i] |= is_hit[i] & mask(v_enter[i] > limit) & IS_LATE;
                 v_last[i] = select(is_hit[i], v_enter[i], last);
             }
-            if is_any(&is_late) {
-                self.violations += is_late.iter().map(|&late| u64::from(late & 1)).sum::<u64>();
-                self.late_blocks |= 1 << block;
-            }
-            if !is_any(&is_clear) {
-                self.done |= 1 << block;
-                self.v_done[block] = v_last.iter().fold(f32::INFINITY, |least, &v| min(v, least));
+            let any = states.iter().fold(0, |any, &state| any | state);
+            if any != IS_CLEAR {
+                self.take_note(block, any, &states);
             }
         }
     }
+
+    /// What a blended block says beside its colours.
+    #[inline(always)]
+    fn take_note(&mut self, block: usize, any: u32, states: &Mask) {
+        if any & IS_LATE != 0 {
+            self.violations += count_late(*states);
+            self.late_blocks |= 1 << block;
+        }
+        if any & IS_CLEAR == 0 {
+            self.done |= 1 << block;
+            self.v_done[block] = self.v_last[block].iter().fold(f32::INFINITY, |least, &v| min(v, least));
+        }
+    }
+}
+
+/// How many pixels are late. By value: what a call could see would have to stay in memory for all fragments.
+#[cold]
+#[inline(never)]
+fn count_late(states: Mask) -> u64 {
+    states.iter().filter(|&&state| state & IS_LATE != 0).count() as u64
 }
 
 impl<O: Optics, const HELD: usize> Sink<O> for Blend<HELD> {
