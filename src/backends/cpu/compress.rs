@@ -5,10 +5,12 @@
 )]
 #![expect(clippy::inline_always, reason = "kernels must inline into the function compiled for wider vectors")]
 
-use crate::optics::{LANES, Lanes};
+use crate::optics::{LANES, Lanes, Mask};
 
 /// How an instruction set compresses and expands.
 pub(super) trait Compress: Copy {
+    /// One bit for each lane of the mask that is set.
+    fn bits(self, mask: &Mask) -> u16;
     /// The lanes whose bit is set, moved together to the front; 0 after them.
     fn compress(self, lanes: u16, from: &Lanes) -> Lanes;
     /// The reverse: the first numbers of `packed` in the lanes whose bit is set, `elsewhere` in the others.
@@ -20,6 +22,15 @@ pub(super) trait Compress: Copy {
 pub(super) struct ByLane;
 
 impl Compress for ByLane {
+    #[inline(always)]
+    fn bits(self, mask: &Mask) -> u16 {
+        let mut bits = 0;
+        for i in 0..LANES {
+            bits |= mask[i] & 1 << i;
+        }
+        bits as u16
+    }
+
     #[inline(always)]
     fn compress(self, mut lanes: u16, from: &Lanes) -> Lanes {
         let mut to = [0.0; LANES];
@@ -62,8 +73,14 @@ impl ByAvx512 {
 #[cfg(target_arch = "x86_64")]
 impl Compress for ByAvx512 {
     #[inline(always)]
-    fn compress(self, lanes: u16, from: &Lanes) -> Lanes {
+    fn bits(self, mask: &Mask) -> u16 {
         // SAFETY: whoever made `self` vouched for the processor.
+        unsafe { avx512::bits(mask) }
+    }
+
+    #[inline(always)]
+    fn compress(self, lanes: u16, from: &Lanes) -> Lanes {
+        // SAFETY: as above.
         unsafe { avx512::compress(lanes, from) }
     }
 
@@ -76,9 +93,18 @@ impl Compress for ByAvx512 {
 
 #[cfg(target_arch = "x86_64")]
 mod avx512 {
-    use std::arch::x86_64::{__m512, _mm512_mask_expand_ps, _mm512_maskz_compress_ps, _mm512_set1_ps};
+    use std::arch::x86_64::{
+        __m512, __m512i, _mm512_mask_expand_ps, _mm512_maskz_compress_ps, _mm512_set1_ps, _mm512_test_epi32_mask,
+    };
 
-    use crate::optics::Lanes;
+    use crate::optics::{Lanes, Mask};
+
+    #[inline]
+    #[target_feature(enable = "avx512f")]
+    pub(super) fn bits(mask: &Mask) -> u16 {
+        let mask = bytemuck::cast::<_, __m512i>(*mask);
+        _mm512_test_epi32_mask(mask, mask)
+    }
 
     #[inline]
     #[target_feature(enable = "avx512f")]

@@ -98,7 +98,7 @@ impl Hits {
                 for i in 0..LANES {
                     is_hit[i] = mask(v_enter[i] > v_leave[i]);
                 }
-                let lanes = tile.lanes.bits(&is_hit);
+                let lanes = compress.bits(&is_hit);
                 let place = blocks % BLOCKS;
                 (self.block[place], self.lanes[place], self.first[place]) = (block as u8, lanes, rays as u16);
                 put(&mut self.v_enter, rays, &compress.compress(lanes, &v_enter));
@@ -184,7 +184,10 @@ impl Hits {
             let v_enter = compress.expand(lanes, &get(&self.v_enter, first), 0.0);
             let block = self.block[hit] as usize % BLOCKS;
             let is_hit = tile.lanes.mask(lanes);
-            sink.accept(&Fragments { block, is_hit: &is_hit, v_enter: &v_enter, contribution: &contribution });
+            sink.accept(
+                compress,
+                &Fragments { block, is_hit: &is_hit, v_enter: &v_enter, contribution: &contribution },
+            );
         }
     }
 }

@@ -5,6 +5,7 @@
     reason = "kernels must inline into the function compiled for wider vectors, and their loops over lanes become vector code"
 )]
 
+use super::compress::{ByLane, Compress};
 use super::tile::{BLOCKS, PIXELS};
 use crate::optics::lanes::{mask, min, select};
 use crate::optics::{Contribution, LANES, Lanes, Mask, Optics};
@@ -21,10 +22,6 @@ pub(super) struct Fragments<'a> {
     pub(super) contribution: &'a Contribution,
 }
 
-/// Bits of a pixel's state: what lies behind still shows; its last fragment lies before the one blended earlier.
-const IS_CLEAR: u32 = 1;
-const IS_LATE: u32 = 2;
-
 /// Takes fragments, cells in the tile's order.
 pub(super) trait Sink<O: Optics> {
     /// Whether the block takes no fragments of a cell whose nearest point has inverse depth `v_max`.
@@ -32,7 +29,7 @@ pub(super) trait Sink<O: Optics> {
     /// Whether no block takes fragments of any cell.
     fn is_all_done(&self) -> bool;
     /// Takes the fragments of one cell in one block.
-    fn accept(&mut self, fragments: &Fragments);
+    fn accept(&mut self, compress: impl Compress, fragments: &Fragments);
 }
 
 /// Slack of the order check: two neighbours meet where both compute the same plane, but clamps and edges round differently.
@@ -100,7 +97,7 @@ impl<const HELD: usize> Blend<HELD> {
         for block in 0..BLOCKS {
             for nearest in 0..HELD {
                 let Fragment16 { v_enter, contribution } = self.held[block][nearest];
-                self.blend::<O>(block, &[u32::MAX; LANES], &v_enter, &contribution);
+                self.blend::<O>(ByLane, block, &[u32::MAX; LANES], &v_enter, &contribution);
             }
         }
     }
@@ -122,9 +119,16 @@ impl<const HELD: usize> Blend<HELD> {
 
     /// Puts a fragment behind all that its pixel holds, in the lanes of `is_hit`; elsewhere it contributes nothing.
     #[inline(always)]
-    fn blend<O: Optics>(&mut self, block: usize, is_hit: &Mask, v_enter: &Lanes, contribution: &Contribution) {
+    fn blend<O: Optics>(
+        &mut self,
+        compress: impl Compress,
+        block: usize,
+        is_hit: &Mask,
+        v_enter: &Lanes,
+        contribution: &Contribution,
+    ) {
         let pixels = &mut self.pixels[block];
-        let mut states = [0; LANES];
+        let mut is_clear = [0; LANES];
         for i in 0..LANES {
             let front = [pixels[0][i], pixels[1][i], pixels[2][i], pixels[3][i]];
             let back = [contribution[0][i], contribution[1][i], contribution[2][i], contribution[3][i]];
@@ -132,42 +136,28 @@ impl<const HELD: usize> Blend<HELD> {
             for c in 0..4 {
                 pixels[c][i] = both[c];
             }
-            states[i] = mask(O::transmittance(both) >= self.stop) & IS_CLEAR;
+            is_clear[i] = mask(O::transmittance(both) >= self.stop);
         }
         if O::IS_ORDERED {
             let v_last = &mut self.v_last[block];
+            let mut is_late = [0; LANES];
             for i in 0..LANES {
                 let last = v_last[i];
                 let limit = last + (last.abs() * self.slack.relative + self.slack.absolute);
-                states[i] |= is_hit[i] & mask(v_enter[i] > limit) & IS_LATE;
+                is_late[i] = is_hit[i] & mask(v_enter[i] > limit);
                 v_last[i] = select(is_hit[i], v_enter[i], last);
             }
-            let any = states.iter().fold(0, |any, &state| any | state);
-            if any != IS_CLEAR {
-                self.take_note(block, any, &states);
+            let late = compress.bits(&is_late);
+            if late != 0 {
+                self.violations += u64::from(late.count_ones());
+                self.late_blocks |= 1 << block;
+            }
+            if compress.bits(&is_clear) == 0 {
+                self.done |= 1 << block;
+                self.v_done[block] = v_last.iter().fold(f32::INFINITY, |least, &v| min(v, least));
             }
         }
     }
-
-    /// What a blended block says beside its colours.
-    #[inline(always)]
-    fn take_note(&mut self, block: usize, any: u32, states: &Mask) {
-        if any & IS_LATE != 0 {
-            self.violations += count_late(*states);
-            self.late_blocks |= 1 << block;
-        }
-        if any & IS_CLEAR == 0 {
-            self.done |= 1 << block;
-            self.v_done[block] = self.v_last[block].iter().fold(f32::INFINITY, |least, &v| min(v, least));
-        }
-    }
-}
-
-/// How many pixels are late. By value: what a call could see would have to stay in memory for all fragments.
-#[cold]
-#[inline(never)]
-fn count_late(states: Mask) -> u64 {
-    states.iter().filter(|&&state| state & IS_LATE != 0).count() as u64
 }
 
 impl<O: Optics, const HELD: usize> Sink<O> for Blend<HELD> {
@@ -183,7 +173,7 @@ impl<O: Optics, const HELD: usize> Sink<O> for Blend<HELD> {
     }
 
     #[inline(always)]
-    fn accept(&mut self, fragments: &Fragments) {
+    fn accept(&mut self, compress: impl Compress, fragments: &Fragments) {
         let Fragments { block, is_hit, v_enter, contribution } = *fragments;
         let (mut v_enter, mut contribution) = (*v_enter, *contribution);
         // Farthest first: the newcomer stays where it lies behind, the one it finds there moves on with it.
@@ -197,7 +187,7 @@ impl<O: Optics, const HELD: usize> Sink<O> for Blend<HELD> {
                 }
             }
         }
-        self.blend::<O>(block, is_hit, &v_enter, &contribution);
+        self.blend::<O>(compress, block, is_hit, &v_enter, &contribution);
     }
 }
 
@@ -272,7 +262,7 @@ impl<O: Optics> Sink<O> for Collect {
     }
 
     #[inline(always)]
-    fn accept(&mut self, fragments: &Fragments) {
+    fn accept(&mut self, _: impl Compress, fragments: &Fragments) {
         for i in 0..LANES {
             if fragments.is_hit[i] != 0 {
                 self.fragments.push(Fragment {

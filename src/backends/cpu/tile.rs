@@ -56,17 +56,7 @@ impl LaneGrid {
         offsets
     }
 
-    /// One bit for each lane of the mask that is set.
-    #[inline(always)]
-    pub(super) fn bits(&self, mask: &Mask) -> u16 {
-        let mut bits = 0;
-        for i in 0..LANES {
-            bits |= mask[i] & self.bit[i];
-        }
-        bits as u16
-    }
-
-    /// The reverse.
+    /// A mask from one bit for each lane.
     #[inline(always)]
     pub(super) fn mask(&self, bits: u16) -> Mask {
         let mut is_set = [0; LANES];
