@@ -7,7 +7,7 @@
 )]
 
 #[cfg(target_arch = "x86_64")]
-use super::compress::ByAvx512;
+use super::compress::{ByAvx2, ByAvx512};
 use super::compress::{ByLane, Compress};
 use super::sink::Sink;
 use super::tile::{self, TileFrame};
@@ -33,7 +33,8 @@ impl InstructionSet {
         let mut sets = Vec::new();
         #[cfg(target_arch = "x86_64")]
         {
-            if is_x86_feature_detected!("avx512f")
+            if std::env::var_os("CF_NO512").is_none()
+                && is_x86_feature_detected!("avx512f")
                 && is_x86_feature_detected!("avx512bw")
                 && is_x86_feature_detected!("avx512dq")
                 && is_x86_feature_detected!("avx512vl")
@@ -107,7 +108,8 @@ fn composite<O: Optics, S: Sink<O>>(
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn composite_avx2<O: Optics, S: Sink<O>>(tile: &TileFrame, optics: &O, order: &[Pair], sink: &mut S) {
-    composite(tile, optics, order, ByLane, sink);
+    // SAFETY: this function itself may run only where the processor has AVX2.
+    composite(tile, optics, order, unsafe { ByAvx2::new() }, sink);
 }
 
 #[cfg(target_arch = "x86_64")]
