@@ -57,11 +57,7 @@ pub(super) struct ByLane;
 impl Compress for ByLane {
     #[inline(always)]
     fn bits(self, mask: &Mask) -> u16 {
-        let mut bits = 0;
-        for i in 0..LANES {
-            bits |= mask[i] & 1 << i;
-        }
-        bits as u16
+        mask.iter().enumerate().fold(0, |bits, (lane, mask)| bits | mask & 1 << lane) as u16
     }
 
     #[inline(always)]
@@ -91,8 +87,8 @@ impl Compress for ByLane {
             to[i] = packed[low_order[i] as usize % 8];
             to[8 + i] = packed[(middle + high_order[i] as usize) % LANES];
         }
-        for i in 0..LANES {
-            to[i] = if lanes >> i & 1 == 1 { to[i] } else { elsewhere };
+        for (lane, to) in to.iter_mut().enumerate() {
+            *to = if lanes >> lane & 1 == 1 { *to } else { elsewhere };
         }
         to
     }
@@ -256,6 +252,8 @@ mod avx512 {
 
 #[cfg(test)]
 mod tests {
+    #![expect(clippy::float_cmp, reason = "numbers are moved, not computed")]
+
     use super::*;
 
     type Run = fn(u16, &Lanes) -> (u16, Lanes, Lanes);

@@ -9,6 +9,7 @@
 #[cfg(target_arch = "x86_64")]
 use super::compress::{ByAvx2, ByAvx512};
 use super::compress::{ByLane, Compress};
+use super::hits::Hits;
 use super::sink::Sink;
 use super::tile::{self, TileFrame};
 use crate::optics::Optics;
@@ -76,15 +77,22 @@ impl Kernels {
     }
 
     /// [`tile::composite`] for this instruction set.
-    pub(super) fn composite<O: Optics, S: Sink<O>>(self, tile: &TileFrame, optics: &O, order: &[Pair], sink: &mut S) {
+    pub(super) fn composite<O: Optics, S: Sink<O>>(
+        self,
+        tile: &TileFrame,
+        optics: &O,
+        order: &[Pair],
+        hits: &mut Hits,
+        sink: &mut S,
+    ) {
         match self.set {
-            InstructionSet::Baseline => composite(tile, optics, order, ByLane, sink),
+            InstructionSet::Baseline => composite(tile, optics, order, ByLane, hits, sink),
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `Kernels::new`, the only constructor, keeps a set only if `available` detected its features.
-            InstructionSet::Avx2 => unsafe { composite_avx2(tile, optics, order, sink) },
+            InstructionSet::Avx2 => unsafe { composite_avx2(tile, optics, order, hits, sink) },
             #[cfg(target_arch = "x86_64")]
             // SAFETY: as above.
-            InstructionSet::Avx512 => unsafe { composite_avx512(tile, optics, order, sink) },
+            InstructionSet::Avx512 => unsafe { composite_avx512(tile, optics, order, hits, sink) },
         }
     }
 }
@@ -96,25 +104,32 @@ fn composite<O: Optics, S: Sink<O>>(
     optics: &O,
     order: &[Pair],
     compress: impl Compress,
+    hits: &mut Hits,
     sink: &mut S,
 ) {
     if tile.is_perspective() {
-        tile::composite::<O, S, true>(tile, optics, order, compress, sink);
+        tile::composite::<O, S, true>(tile, optics, order, compress, hits, sink);
     } else {
-        tile::composite::<O, S, false>(tile, optics, order, compress, sink);
+        tile::composite::<O, S, false>(tile, optics, order, compress, hits, sink);
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn composite_avx2<O: Optics, S: Sink<O>>(tile: &TileFrame, optics: &O, order: &[Pair], sink: &mut S) {
+fn composite_avx2<O: Optics, S: Sink<O>>(tile: &TileFrame, optics: &O, order: &[Pair], hits: &mut Hits, sink: &mut S) {
     // SAFETY: this function itself may run only where the processor has AVX2.
-    composite(tile, optics, order, unsafe { ByAvx2::new() }, sink);
+    composite(tile, optics, order, unsafe { ByAvx2::new() }, hits, sink);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-fn composite_avx512<O: Optics, S: Sink<O>>(tile: &TileFrame, optics: &O, order: &[Pair], sink: &mut S) {
+fn composite_avx512<O: Optics, S: Sink<O>>(
+    tile: &TileFrame,
+    optics: &O,
+    order: &[Pair],
+    hits: &mut Hits,
+    sink: &mut S,
+) {
     // SAFETY: this function itself may run only where the processor has AVX-512 F.
-    composite(tile, optics, order, unsafe { ByAvx512::new() }, sink);
+    composite(tile, optics, order, unsafe { ByAvx512::new() }, hits, sink);
 }

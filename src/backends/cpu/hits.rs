@@ -20,7 +20,9 @@ use crate::optics::{CellSpan, Contribution, LANES, Lanes, Optics, Segments};
 /// The rays of one cell without gaps, and room for sixteen more.
 type Packed = [f32; PIXELS + LANES];
 
-/// The rays that meet one cell.
+const NO_RAYS: Packed = [0.0; PIXELS + LANES];
+
+/// The rays that meet one cell; kept between cells and frames.
 pub(super) struct Hits {
     /// How many blocks, and how many rays.
     blocks: usize,
@@ -30,34 +32,35 @@ pub(super) struct Hits {
     lanes: [u16; BLOCKS],
     first: [u16; BLOCKS],
     /// Per ray: inverse depth at entry and exit, what of the scalar varies from ray to ray, world length per unit of depth.
-    v_enter: Packed,
-    v_leave: Packed,
-    varying: Packed,
-    length_world_per_depth: Packed,
-    segments: [Segments; BLOCKS],
-    contributions: [Contribution; BLOCKS],
-    packed_contributions: [Packed; 4],
+    v_enter: Box<Packed>,
+    v_leave: Box<Packed>,
+    varying: Box<Packed>,
+    length_world_per_depth: Box<Packed>,
+    segments: Box<[Segments; BLOCKS]>,
+    contributions: Box<[Contribution; BLOCKS]>,
+    packed_contributions: [Box<Packed>; 4],
 }
 
-impl Hits {
-    pub(super) fn new() -> Self {
-        let packed = [0.0; PIXELS + LANES];
+impl Default for Hits {
+    fn default() -> Self {
         Self {
             blocks: 0,
             rays: 0,
             block: [0; BLOCKS],
             lanes: [0; BLOCKS],
             first: [0; BLOCKS],
-            v_enter: packed,
-            v_leave: packed,
-            varying: packed,
-            length_world_per_depth: packed,
-            segments: [Segments::NONE; BLOCKS],
-            contributions: [[[0.0; LANES]; 4]; BLOCKS],
-            packed_contributions: [packed; 4],
+            v_enter: Box::new(NO_RAYS),
+            v_leave: Box::new(NO_RAYS),
+            varying: Box::new(NO_RAYS),
+            length_world_per_depth: Box::new(NO_RAYS),
+            segments: Box::new([Segments::NONE; BLOCKS]),
+            contributions: Box::new([[[0.0; LANES]; 4]; BLOCKS]),
+            packed_contributions: [(); 4].map(|()| Box::new(NO_RAYS)),
         }
     }
+}
 
+impl Hits {
     /// Finds the rays that meet the cell, in the blocks that `sink` still wants.
     #[inline(always)]
     pub(super) fn find<O: Optics, S: Sink<O>>(

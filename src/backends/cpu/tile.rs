@@ -117,6 +117,7 @@ pub(super) fn composite<O: Optics, S: Sink<O>, const PERSPECTIVE: bool>(
     optics: &O,
     order: &[Pair],
     compress: impl Compress,
+    hits: &mut Hits,
     sink: &mut S,
 ) {
     let frame = tile.frame;
@@ -124,7 +125,6 @@ pub(super) fn composite<O: Optics, S: Sink<O>, const PERSPECTIVE: bool>(
     let cell_values = frame.cell_values();
     let mut corners = Corners::default();
     let mut batch = Batch::default();
-    let mut hits = Hits::new();
     for cells in order.chunks(LANES) {
         if sink.is_all_done() {
             return;

@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use super::bins::{Bins, TileGrid};
 use super::dispatch::Kernels;
+use super::hits::Hits;
 use super::sink::{Blend, Collect, OrderSlack};
 use super::tile::{PIXELS, TileFrame};
 use crate::backends::{Counts, Frame};
@@ -62,6 +63,7 @@ pub(super) struct Worker {
     holding_by_power: Blend<HELD_BY_POWER>,
     holding: Blend<HELD>,
     collect: Collect,
+    hits: Hits,
 }
 
 impl Worker {
@@ -82,18 +84,18 @@ impl Worker {
         let frame = TileFrame::new(task.frame, task.grid.origin_px(tile));
         if O::IS_ORDERED && task.frame.is_exact {
             let late_blocks = if task.frame.sort_key == SortKey::Power {
-                blend(task, &frame, &self.order, &mut self.holding_by_power, &mut drawn.counts, out)
+                blend(task, &frame, (&self.order, &mut self.hits), &mut self.holding_by_power, &mut drawn.counts, out)
             } else {
-                blend(task, &frame, &self.order, &mut self.holding, &mut drawn.counts, out)
+                blend(task, &frame, (&self.order, &mut self.hits), &mut self.holding, &mut drawn.counts, out)
             };
             if late_blocks != 0 {
                 self.collect.reset(late_blocks);
-                task.kernels.composite(&frame, task.optics, &self.order, &mut self.collect);
+                task.kernels.composite(&frame, task.optics, &self.order, &mut self.hits, &mut self.collect);
                 self.collect.composite(task.optics, out);
                 drawn.counts.tiles_redone = 1;
             }
         } else {
-            blend(task, &frame, &self.order, &mut self.blend, &mut drawn.counts, out);
+            blend(task, &frame, (&self.order, &mut self.hits), &mut self.blend, &mut drawn.counts, out);
         }
         drawn.sort_secs = (sorted - start).as_secs_f64();
         drawn.draw_secs = sorted.elapsed().as_secs_f64();
@@ -105,14 +107,14 @@ impl Worker {
 fn blend<O: Optics, const HELD: usize>(
     task: &TileTask<O>,
     frame: &TileFrame,
-    order: &[Pair],
+    (order, hits): (&[Pair], &mut Hits),
     sink: &mut Blend<HELD>,
     counts: &mut Counts,
     out: &mut [[f32; 4]; PIXELS],
 ) -> u64 {
     let absolute = if task.frame.view.is_perspective { 0.0 } else { ORDER_SLACK };
     sink.reset::<O>(task.frame.stop_transmittance, OrderSlack { relative: ORDER_SLACK, absolute });
-    task.kernels.composite(frame, task.optics, order, sink);
+    task.kernels.composite(frame, task.optics, order, hits, sink);
     sink.finish::<O>();
     for (pixel, contribution) in out.iter_mut().zip(sink.contributions()) {
         *pixel = task.optics.pixel(contribution);
