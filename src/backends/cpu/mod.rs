@@ -3,7 +3,8 @@
 //! In: a [`Frame`](super::Frame) and an optical model. Out: an [`Image`](crate::image::Image), [`Counts`](super::Counts),
 //! spans in a [`Profile`](crate::profile::Profile).
 //! `compositor`: `project` → `bins` (`cull`, `footprints`, `sort` keys, scatter to tiles) → per tile, by a `worker`: sort,
-//! `tile` (planes per pixel) into a `sink` (blend, or collect and sort per pixel) → picture. To add a way to composite: a sink.
+//! `tile` (cell by cell: its `planes`, its `hits`) into a `sink` (blend, or collect and sort per pixel) → picture.
+//! To add a way to composite: a sink; an instruction set: its kernels in `dispatch`, how it moves lanes in `compress`.
 
 mod bins;
 mod compositor;
