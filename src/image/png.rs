@@ -41,13 +41,14 @@ fn map_pixels<const N: usize>(image: &Image, bytes_of: impl Fn([f32; 4]) -> [u8;
 fn straight(pixel: [f32; 4]) -> [u8; 4] {
     let [r, g, b, a] = pixel;
     let alpha = a.max(r).max(g).max(b);
-    // No light, or not a number.
-    if alpha.is_nan() || alpha <= 0.0 {
+    let level = quantise(alpha);
+    // Nothing that 8 bits show, or not a number: programs that ignore alpha must not show the colour of a hundred-millionth.
+    if level == 0 {
         return [0; 4];
     }
     let alpha = alpha.min(1.0);
     let [r, g, b] = [r, g, b].map(|channel| srgb_from_linear(channel / alpha));
-    [r, g, b, quantise(alpha)]
+    [r, g, b, level]
 }
 
 /// The 8-bit sRGB value of a linear intensity; IEC 61966-2-1.
@@ -94,6 +95,7 @@ mod tests {
     fn straight_alpha() {
         assert_eq!(straight([0.0; 4]), [0; 4]);
         assert_eq!(straight([f32::NAN; 4]), [0; 4]);
+        assert_eq!(straight([4e-10, 0.0, 6e-10, 0.0]), [0; 4]);
         // Colour (1, 0.5, 0) at opacity 0.4.
         assert_eq!(straight([0.4, 0.2, 0.0, 0.4]), [255, 188, 0, 102]);
         assert_eq!(straight([0.0, 0.0, 0.0, 1.0]), [0, 0, 0, 255]);
