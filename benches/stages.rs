@@ -186,7 +186,7 @@ fn bench_sort(criterion: &mut Criterion) {
         stage();
         group.bench_function(format!("keys/{}", key.name()), |b| b.iter(&mut stage));
         assert_eq!(out.len() as u64, seen.cells());
-        let nearest = |i: &usize| seen.mesh.dataset.tets[*i].map(|v| seen.screen[v as usize].depth);
+        let nearest = |i: &usize| seen.mesh.dataset.tets.get(*i).map(|v| seen.screen[v as usize].depth);
         let by_key = |i: &usize| out[*i];
         let (first, last) = ((0..out.len()).min_by_key(by_key), (0..out.len()).max_by_key(by_key));
         let depth = |cell: Option<usize>| cell.map_or(0.0, |i| nearest(&i).into_iter().fold(f32::INFINITY, f32::min));
@@ -274,9 +274,10 @@ fn bench_footprints(criterion: &mut Criterion) {
     let dataset = &seen.mesh.dataset;
     let (mut corners, mut batch) = (Corners::default(), Batch::default());
     throughput(&mut group, seen.cells(), 16 + 4 * size_of::<SceneVertex>() + size_of::<Batch>() / LANES);
+    let tets: Vec<[u32; 4]> = dataset.tets.iter().collect();
     let mut stage = || {
         let mut sum = 0.0_f64;
-        for (chunk, cells) in dataset.tets.chunks(LANES).enumerate() {
+        for (chunk, cells) in tets.chunks(LANES).enumerate() {
             for (lane, &tet) in cells.iter().enumerate() {
                 corners.set(lane, tet, &seen.vertices, dataset.positive.get(chunk * LANES + lane));
             }

@@ -474,7 +474,7 @@ fn all_encodings_of_the_hexahedron_give_the_same_mesh() {
 fn volume(mesh: &UnstructuredMesh) -> f64 {
     let data = mesh.clone().into_dataset().unwrap();
     let position = |v: u32| glam::Vec3::from_array(data.positions[v as usize]).as_dvec3();
-    let volume = |tet: &[u32; 4]| {
+    let volume = |tet: [u32; 4]| {
         let [a, b, c, d] = tet.map(position);
         (b - a).cross(c - a).dot(d - a).abs() / 6.0
     };

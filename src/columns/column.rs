@@ -61,6 +61,12 @@ impl<T> From<Vec<T>> for Column<T> {
     }
 }
 
+impl<T> FromIterator<T> for Column<T> {
+    fn from_iter<I: IntoIterator<Item = T>>(values: I) -> Self {
+        Self { storage: Storage::Owned(values.into_iter().collect()) }
+    }
+}
+
 impl<T> Clone for Column<T> {
     /// Shares the values; nothing is copied.
     fn clone(&self) -> Self {

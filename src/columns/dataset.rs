@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::{DVec3, Vec3};
 
-use super::{Array, BitColumn, Column};
+use super::{Array, BitColumn, BlockTets, Column, Tets};
 
 /// A box in space; empty when a minimum exceeds its maximum.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,6 +71,24 @@ pub struct CellCounts {
     pub degenerate: u64,
 }
 
+/// The values of one array over the cells of a mesh.
+#[derive(Clone, Debug)]
+pub struct ArrayRanges {
+    /// Of the value or magnitude, then, where there are several, of each component.
+    pub by_component: Vec<ValueRanges>,
+}
+
+/// The values of one scalar over the cells of a mesh.
+#[derive(Clone, Debug)]
+pub struct ValueRanges {
+    /// Smallest and largest finite value; empty (min > max) where there is none.
+    pub range: (f64, f64),
+    /// Cells with a value that is not finite.
+    pub invalid: u64,
+    /// Smallest and largest value of the other cells of each block; empty (min > max) where there are none.
+    pub blocks: Column<[f64; 2]>,
+}
+
 /// A run of cells that lie together in space.
 #[derive(Clone, Debug)]
 pub struct Block {
@@ -82,8 +100,8 @@ pub struct Block {
 
 /// A validated mesh of tetrahedra: every index in range, every position finite, every cell with a volume.
 ///
-/// Cells and vertices stand in spatial (Morton) order; arrays stay in file order and are reached through
-/// [`Dataset::file_from_vertex`] and [`Dataset::file_from_cell`].
+/// Cells and vertices stand in spatial (Morton) order; the arrays of a foreign file stay in its order and are reached
+/// through [`Dataset::file_from_vertex`] and [`Dataset::file_from_cell`].
 #[derive(Clone, Debug)]
 pub struct Dataset {
     /// Added to a position, it gives the world position.
@@ -91,15 +109,18 @@ pub struct Dataset {
     /// Vertex positions relative to `origin`.
     pub positions: Column<[f32; 3]>,
     /// The four vertices of each cell, ascending: neighbours name a shared face alike.
-    pub tets: Column<[u32; 4]>,
+    pub tets: Tets,
     /// Whether (b−a)×(c−a)·(d−a) > 0 for the ascending vertices a, b, c, d; decided exactly.
     pub positive: BitColumn,
-    /// The file's point of each vertex.
-    pub file_from_vertex: Column<u32>,
-    /// The file's cell of each cell; several cells share one where a cell was split.
-    pub file_from_cell: Column<u32>,
-    /// All arrays of the file, in file order.
+    /// The file's point of each vertex; none where arrays stand in the order of the vertices.
+    pub file_from_vertex: Option<Column<u32>>,
+    /// The file's cell of each cell, several cells share one where a cell was split; none where arrays stand in the order of
+    /// the cells.
+    pub file_from_cell: Option<Column<u32>>,
+    /// All arrays of the file.
     pub arrays: Vec<Array>,
+    /// What is known of the values of each array, where a container says it; else empty.
+    pub array_ranges: Vec<ArrayRanges>,
     /// The cells in runs of [`Dataset::BLOCK_CELLS`], in order.
     pub blocks: Vec<Block>,
     /// The box around all cells.
@@ -127,6 +148,18 @@ impl Dataset {
         self.bounds.corners().map(|corner| self.origin + corner.as_dvec3())
     }
 
+    /// The tuple of point arrays that belongs to a vertex.
+    #[inline]
+    pub fn point_tuple(&self, vertex: usize) -> usize {
+        self.file_from_vertex.as_ref().map_or(vertex, |file_from| file_from[vertex] as usize)
+    }
+
+    /// The tuple of cell arrays that belongs to a cell.
+    #[inline]
+    pub fn cell_tuple(&self, cell: usize) -> usize {
+        self.file_from_cell.as_ref().map_or(cell, |file_from| file_from[cell] as usize)
+    }
+
     /// The cells of block `block`, as slices.
     ///
     /// # Panics
@@ -136,7 +169,7 @@ impl Dataset {
         BlockView {
             base: cells.start,
             bounds: *bounds,
-            tets: &self.tets[cells.clone()],
+            tets: BlockTets::new(&self.tets, block, cells.len()),
             positions: &self.positions,
             positive: &self.positive,
         }
@@ -151,7 +184,7 @@ pub struct BlockView<'a> {
     /// The box around the block's vertices.
     pub bounds: Bounds,
     /// The block's cells.
-    pub tets: &'a [[u32; 4]],
+    pub tets: BlockTets<'a>,
     /// All vertex positions.
     pub positions: &'a [[f32; 3]],
     positive: &'a BitColumn,

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{Array, Association, Dataset};
+use super::{Array, Association, Column, Dataset, NumericColumn, ValueRanges};
 use crate::error::{Error, Result};
 
 /// How several components become one scalar.
@@ -62,7 +62,7 @@ pub struct Field {
     /// Added to a stored value, it gives the array's value.
     pub offset: f64,
     /// Stored values; NaN where the array has no finite value.
-    pub values: Vec<f32>,
+    pub values: Column<f32>,
     /// Smallest and largest finite value of the array on the mesh.
     pub range: (f64, f64),
     /// Smallest and largest stored value of the cells of each block; empty (min > max) where all are invalid.
@@ -77,10 +77,10 @@ impl Dataset {
     /// # Errors
     /// [`Error::UnknownArray`]; [`Error::UnusableArray`] where no value is finite or the component does not exist.
     pub fn field(&self, selection: &FieldSelection) -> Result<Field> {
-        let candidates = self.arrays.iter().filter(|array| array.name == selection.name);
-        let array = candidates
-            .filter(|array| selection.association.is_none_or(|association| association == array.association))
-            .min_by_key(|array| array.association == Association::Cell)
+        let candidates = self.arrays.iter().enumerate().filter(|(_, array)| array.name == selection.name);
+        let (place, array) = candidates
+            .filter(|(_, array)| selection.association.is_none_or(|association| association == array.association))
+            .min_by_key(|(_, array)| array.association == Association::Cell)
             .ok_or_else(|| Error::UnknownArray {
                 name: selection.name.clone(),
                 available: self.arrays.iter().map(|array| array.name.clone()).collect(),
@@ -93,41 +93,46 @@ impl Dataset {
             return Err(unusable(format!("there is no component {index}; use 0 to {last}")));
         }
 
-        let scalar = |file: u32| scalar_of(array, selection.component, file as usize);
-        let file_from = match array.association {
-            Association::Point => &self.file_from_vertex,
-            Association::Cell => &self.file_from_cell,
-        };
-        let nothing = (f64::INFINITY, f64::NEG_INFINITY);
-        let range = file_from
-            .par_iter()
-            .map(|&file| scalar(file))
-            .filter(|value| value.is_finite())
-            .fold(|| nothing, |(low, high), value| (low.min(value), high.max(value)))
-            .reduce(|| nothing, |a, b| (a.0.min(b.0), a.1.max(b.1)));
+        let scalars = Scalars { dataset: self, array, component: selection.component };
+        let known = self.known_ranges(place, selection.component);
+        let range = known.map_or_else(|| scalars.range(), |known| known.range);
         if range.0 > range.1 {
             return Err(unusable("it has no finite value; choose another array".to_owned()));
         }
-
         let offset = offset_of(range);
-        let values: Vec<f32> = file_from
-            .par_iter()
-            .map(|&file| {
-                let stored = (scalar(file) - offset) as f32;
-                if stored.is_finite() { stored } else { f32::NAN }
-            })
-            .collect();
         let name = match selection.component {
             Component::Magnitude => array.name.clone(),
             Component::Index(index) => format!("{}[{index}]", array.name),
         };
-        Ok(self.finish_field(name, array.association, offset, values, range))
+        let association = array.association;
+        let Some(known) = known else {
+            return Ok(self.finish_field(name, association, offset, scalars.stored(offset).into(), range));
+        };
+        // Narrowing keeps the order of values, so the narrowed ends are the ends of the narrowed values.
+        let narrow = |value: f64| (value - offset) as f32;
+        let block_ranges = known.blocks.iter().map(|&[low, high]| (narrow(low), narrow(high))).collect();
+        let in_place = scalars.in_place().filter(|_| offset == 0.0 && known.invalid == 0);
+        let values = in_place.unwrap_or_else(|| scalars.stored(offset).into());
+        Ok(Field { name, association, offset, values, range, block_ranges, invalid: known.invalid })
+    }
+
+    /// What the container says of an array's values, where f32 holds them.
+    fn known_ranges(&self, array: usize, component: Component) -> Option<&ValueRanges> {
+        let by_component = &self.array_ranges.get(array)?.by_component;
+        let known = match component {
+            Component::Index(index) if by_component.len() > 1 => by_component.get(index + 1)?,
+            _ => by_component.first()?,
+        };
+        let largest = known.range.0.abs().max(known.range.1.abs());
+        let is_plain =
+            self.arrays[array].components == 1 || component == Component::Magnitude || by_component.len() > 1;
+        (is_plain && largest < f64::from(f32::MAX) && known.blocks.len() == self.blocks.len()).then_some(known)
     }
 
     /// The field of a mesh without an array: the same value everywhere.
     pub fn homogeneous_field(&self) -> Field {
         let values = vec![0.0; self.tets.len()];
-        self.finish_field("homogeneous".to_owned(), Association::Cell, 0.0, values, (0.0, 0.0))
+        self.finish_field("homogeneous".to_owned(), Association::Cell, 0.0, values.into(), (0.0, 0.0))
     }
 
     fn finish_field(
@@ -135,12 +140,13 @@ impl Dataset {
         name: String,
         association: Association,
         offset: f64,
-        values: Vec<f32>,
+        values: Column<f32>,
         range: (f64, f64),
     ) -> Field {
+        let stored = &values[..];
         let of_cell = |cell: usize| match association {
-            Association::Point => self.tets[cell].map(|v| values[v as usize]),
-            Association::Cell => [values[cell]; 4],
+            Association::Point => self.tets.get(cell).map(|v| stored[v as usize]),
+            Association::Cell => [stored[cell]; 4],
         };
         let per_block: Vec<((f32, f32), u64)> = self
             .blocks
@@ -157,6 +163,59 @@ impl Dataset {
         let invalid = per_block.iter().map(|(_, bad)| bad).sum();
         let block_ranges = per_block.into_iter().map(|(range, _)| range).collect();
         Field { name, association, offset, values, range, block_ranges, invalid }
+    }
+}
+
+/// One scalar of an array, in the dataset's order.
+struct Scalars<'a> {
+    dataset: &'a Dataset,
+    array: &'a Array,
+    component: Component,
+}
+
+impl Scalars<'_> {
+    /// The tuple of each vertex or cell, and how many there are of these.
+    fn tuples(&self) -> impl IndexedParallelIterator<Item = usize> + '_ {
+        let (dataset, association) = (self.dataset, self.array.association);
+        let len = match association {
+            Association::Point => dataset.positions.len(),
+            Association::Cell => dataset.tets.len(),
+        };
+        (0..len).into_par_iter().map(move |i| match association {
+            Association::Point => dataset.point_tuple(i),
+            Association::Cell => dataset.cell_tuple(i),
+        })
+    }
+
+    /// Smallest and largest finite value; empty where there is none.
+    fn range(&self) -> (f64, f64) {
+        let nothing = (f64::INFINITY, f64::NEG_INFINITY);
+        self.tuples()
+            .map(|tuple| scalar_of(self.array, self.component, tuple))
+            .filter(|value| value.is_finite())
+            .fold(|| nothing, |(low, high), value| (low.min(value), high.max(value)))
+            .reduce(|| nothing, |a, b| (a.0.min(b.0), a.1.max(b.1)))
+    }
+
+    /// The values less `offset`; NaN where that is not finite.
+    fn stored(&self, offset: f64) -> Vec<f32> {
+        let narrow = |tuple| {
+            let stored = (scalar_of(self.array, self.component, tuple) - offset) as f32;
+            if stored.is_finite() { stored } else { f32::NAN }
+        };
+        self.tuples().map(narrow).collect()
+    }
+
+    /// The array itself, where it is what a field stores.
+    fn in_place(&self) -> Option<Column<f32>> {
+        let is_in_order = match self.array.association {
+            Association::Point => self.dataset.file_from_vertex.is_none(),
+            Association::Cell => self.dataset.file_from_cell.is_none(),
+        };
+        match &self.array.values {
+            NumericColumn::F32(values) if is_in_order && self.array.components == 1 => Some(values.clone()),
+            _ => None,
+        }
     }
 }
 

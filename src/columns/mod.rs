@@ -11,10 +11,12 @@ mod column;
 mod dataset;
 mod field;
 mod spatial_order;
+mod tets;
 
 pub use array::{Array, Association, NumericColumn};
 pub use bits::BitColumn;
 pub use build::{Points, TetMesh};
 pub use column::{Column, SharedBytes};
-pub use dataset::{Block, BlockView, Bounds, CellCounts, Dataset};
+pub use dataset::{ArrayRanges, Block, BlockView, Bounds, CellCounts, Dataset, ValueRanges};
 pub use field::{Component, Field, FieldSelection};
+pub use tets::{BlockIds, BlockTets, Tets, TetsView};

@@ -24,7 +24,7 @@ pub fn value_interval(scalars: [f32; 4]) -> (f32, f32) {
 #[inline]
 pub fn cell_scalars(block: &BlockView, field: &Field, screen: &[ScreenVertex], cell: u32) -> [f32; 4] {
     match field.association {
-        Association::Point => block.tets[cell as usize].map(|v| screen[v as usize].scalar),
+        Association::Point => block.tets.get(cell as usize).map(|v| screen[v as usize].scalar),
         Association::Cell => [field.values[block.base + cell as usize]; 4],
     }
 }
@@ -111,10 +111,11 @@ mod tests {
         field.association = Association::Point;
         // From −0.05 to 1.1: some values below the first control point, some above the last.
         let smooth = |p: &[f32; 3]| (p[0] - 0.5).hypot(p[1] - 0.5) * 1.6 - 0.05 + p[2] * 0.02;
-        field.values = dataset.positions.iter().map(smooth).collect();
-        for i in (0..field.values.len()).step_by(211) {
-            field.values[i] = if i % 2 == 0 { f32::NAN } else { f32::INFINITY };
+        let mut values: Vec<f32> = dataset.positions.iter().map(smooth).collect();
+        for i in (0..values.len()).step_by(211) {
+            values[i] = if i % 2 == 0 { f32::NAN } else { f32::INFINITY };
         }
+        field.values = values.into();
         let (mut screen, view): (_, View) = (Vec::new(), views(&dataset, 64, 64)[0]);
         project(&view, &scene_vertices(&dataset, &field), &mut screen);
         let (mut dropped, mut kept) = (0, 0);

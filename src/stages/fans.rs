@@ -81,7 +81,7 @@ impl<'a> FanInput<'a> {
     }
 
     fn corners(&self, cell: u32) -> [Corner; 4] {
-        self.dataset.tets[cell as usize].map(|v| {
+        self.dataset.tets.get(cell as usize).map(|v| {
             let SceneVertex { position, scalar } = self.vertices[v as usize];
             let position = Vec3::from_array(position);
             let scalar = self.cell_values.map_or(scalar, |values| values[cell as usize]);

@@ -49,7 +49,7 @@ pub fn scene_vertices(dataset: &Dataset, field: &Field) -> Vec<SceneVertex> {
     let positions = dataset.positions.par_iter();
     match field.association {
         Association::Point => positions
-            .zip(&field.values)
+            .zip(&field.values[..])
             .map(|(&position, &scalar)| SceneVertex { position: scaled(position), scalar })
             .collect(),
         Association::Cell => {

@@ -61,7 +61,7 @@ pub(super) fn ray(view: &View, x: f64, y: f64) -> (DVec3, DVec3) {
 }
 
 pub(super) fn corners(dataset: &Dataset, vertices: &[SceneVertex], cell: usize) -> [DVec3; 4] {
-    dataset.tets[cell].map(|v| Vec3::from_array(vertices[v as usize].position).as_dvec3())
+    dataset.tets.get(cell).map(|v| Vec3::from_array(vertices[v as usize].position).as_dvec3())
 }
 
 /// View depths between which a ray lies in a cell and in the view's range; empty (first ≥ second) where it misses.

@@ -301,7 +301,7 @@ fn odd_picture_sizes() {
 fn the_eye_in_a_cell_and_on_its_parts() {
     let case = Case::new(grid(48, Scheme::Six, 0.25), "value");
     let corner = |i: usize| DVec3::from_array(case.dataset.positions[i].map(f64::from)) + case.dataset.origin;
-    let tet = case.dataset.tets[case.dataset.tets.len() / 2].map(|v| corner(v as usize));
+    let tet = case.dataset.tets.get(case.dataset.tets.len() / 2).map(|v| corner(v as usize));
     let eyes = [
         ("in a cell", (tet[0] + tet[1] + tet[2] + tet[3]) * 0.25),
         ("near a face", (tet[0] + tet[1] + tet[2]) / 3.0 * 0.999 + tet[3] * 0.001),

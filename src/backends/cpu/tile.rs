@@ -121,7 +121,7 @@ pub(super) fn composite<O: Optics, S: Sink<O>, const PERSPECTIVE: bool>(
     sink: &mut S,
 ) {
     let frame = tile.frame;
-    let (tets, positive) = (&frame.dataset.tets[..], &frame.dataset.positive);
+    let (tets, positive) = (frame.dataset.tets.view(), &frame.dataset.positive);
     let cell_values = frame.cell_values();
     let mut corners = Corners::default();
     let mut batch = Batch::default();
@@ -131,7 +131,7 @@ pub(super) fn composite<O: Optics, S: Sink<O>, const PERSPECTIVE: bool>(
         }
         for (lane, &pair) in cells.iter().enumerate() {
             let cell = index_of(pair) as usize;
-            corners.set(lane, tets[cell], frame.vertices, positive.get(cell));
+            corners.set(lane, tets.get(cell), frame.vertices, positive.get(cell));
             if let Some(values) = cell_values {
                 corners.set_constant(lane, values[cell]);
             }

@@ -112,7 +112,7 @@ fn histogram(dataset: &Dataset, field: &Field, range: (f64, f64)) -> [u64; BINS]
         let mut volumes = [0.0; BINS];
         for cell in block.cells.clone() {
             let corners = match field.association {
-                Association::Point => dataset.tets[cell].map(|v| field.values[v as usize]),
+                Association::Point => dataset.tets.get(cell).map(|v| field.values[v as usize]),
                 Association::Cell => [field.values[cell]; 4],
             };
             if !corners.iter().all(|value| value.is_finite()) {
@@ -145,7 +145,7 @@ fn histogram(dataset: &Dataset, field: &Field, range: (f64, f64)) -> [u64; BINS]
 
 /// The volume of a cell.
 fn volume_world(dataset: &Dataset, cell: usize) -> f64 {
-    let [a, b, c, d] = dataset.tets[cell].map(|v| Vec3::from_array(dataset.positions[v as usize]).as_dvec3());
+    let [a, b, c, d] = dataset.tets.get(cell).map(|v| Vec3::from_array(dataset.positions[v as usize]).as_dvec3());
     (b - a).cross(c - a).dot(d - a).abs() / 6.0
 }
 
@@ -231,7 +231,9 @@ mod tests {
     #[test]
     fn outliers_do_not_take_all_colours() {
         let (dataset, mut field) = cube(1.0, |z| z);
-        field.values[7] = 1e6;
+        let mut values = field.values.to_vec();
+        values[7] = 1e6;
+        field.values = values.into();
         field.range.1 = 1e6;
         let values = Values::of(&dataset, &field);
         assert!(values.range.1 <= 1.0, "{:?}", values.range);
@@ -253,7 +255,9 @@ mod tests {
         let (dataset, _) = cube(1.0, |z| z);
         let mut field = dataset.homogeneous_field();
         let half = field.values.len() / 2;
-        field.values[half..].fill(2.0);
+        let mut values = field.values.to_vec();
+        values[half..].fill(2.0);
+        field.values = values.into();
         field.range = (0.0, 2.0);
         let (transfer, _) = automatic(&dataset, &field, Model::EmissionAbsorption).unwrap();
         assert!(transfer.eval(0.0).extinction > 0.5 && transfer.eval(2.0).extinction > 0.5);

@@ -14,14 +14,14 @@ fn corner() -> Vec<[f64; 3]> {
 fn inverted_cells_are_turned_and_counted() {
     let data = Dataset::from_tets(mesh(corner(), vec![[0, 1, 2, 3], [0, 2, 1, 3]])).unwrap();
     assert_eq!(data.counts.inverted, 1);
-    assert_eq!(data.tets[0], data.tets[1]);
+    assert_eq!(data.tets.get(0), data.tets.get(1));
     assert_eq!(data.positive.get(0), data.positive.get(1));
 }
 
 #[test]
 fn orientation_bit_agrees_with_the_triple_product() {
     let data = Dataset::from_tets(mesh(corner(), vec![[3, 1, 0, 2]])).unwrap();
-    let [a, b, c, d] = data.tets[0].map(|v| Vec3::from_array(data.positions[v as usize]));
+    let [a, b, c, d] = data.tets.get(0).map(|v| Vec3::from_array(data.positions[v as usize]));
     assert_eq!(data.positive.get(0), (b - a).cross(c - a).dot(d - a) > 0.0);
 }
 
@@ -31,7 +31,7 @@ fn flat_cells_are_dropped_and_counted() {
     points.push([0.5, 0.5, 0.0]);
     let data = Dataset::from_tets(mesh(points, vec![[0, 1, 2, 4], [0, 1, 2, 3]])).unwrap();
     assert_eq!((data.counts.degenerate, data.tets.len()), (1, 1));
-    assert_eq!(data.file_from_cell[0], 1);
+    assert_eq!(data.cell_tuple(0), 1);
     assert_eq!(data.positions.len(), 4, "a vertex of no cell is left out");
 }
 
@@ -72,12 +72,12 @@ fn index_maps_lead_back_to_the_file() {
     let input = mesh(points.clone(), tets.clone());
     let data = Dataset::from_tets(input).unwrap();
     for (cell, tet) in data.tets.iter().enumerate() {
-        let mut of_file: Vec<u32> = tet.iter().map(|&v| data.file_from_vertex[v as usize]).collect();
+        let mut of_file: Vec<u32> = tet.iter().map(|&v| data.point_tuple(v as usize) as u32).collect();
         of_file.sort_unstable();
-        assert_eq!(of_file, tets[data.file_from_cell[cell] as usize]);
-        for &v in tet {
+        assert_eq!(of_file, tets[data.cell_tuple(cell)]);
+        for v in tet {
             let world = data.origin + Vec3::from_array(data.positions[v as usize]).as_dvec3();
-            let file = DVec3::from_array(points[data.file_from_vertex[v as usize] as usize]);
+            let file = DVec3::from_array(points[data.point_tuple(v as usize)]);
             assert!((world - file).length() < 1e-4);
         }
     }

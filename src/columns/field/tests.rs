@@ -44,9 +44,9 @@ fn a_small_variation_around_a_large_value_keeps_its_digits() {
     let values = (0..5).map(|i| 1e9 + f64::from(i) * 1e-3).collect();
     let data = two_tets(vec![array("p", Association::Point, 1, values)]);
     let field = data.field(&FieldSelection::parse("p", &data.arrays)).unwrap();
-    for (vertex, &file) in data.file_from_vertex.iter().enumerate() {
+    for vertex in 0..data.positions.len() {
         let value = field.offset + f64::from(field.values[vertex]);
-        assert!((value - (1e9 + f64::from(file) * 1e-3)).abs() < 2e-7);
+        assert!((value - (1e9 + data.point_tuple(vertex) as f64 * 1e-3)).abs() < 2e-7);
     }
 }
 

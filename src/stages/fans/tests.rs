@@ -36,7 +36,9 @@ fn a_fan_covers_half_the_area_of_its_cells_projected_faces() {
         assert!(fans.len() > 9990, "only cells seen edge-on have no fan");
         for (fan, ring) in fans {
             let of_fan: f64 = ring[1..].windows(2).map(|two| area([xy(&ring[0]), xy(&two[0]), xy(&two[1])])).sum();
-            let p = dataset.tets[fan.cell as usize]
+            let p = dataset
+                .tets
+                .get(fan.cell as usize)
                 .map(|v| view.projection().project(Vec3::from_array(vertices[v as usize].position)).truncate());
             let faces: f64 = crate::stages::classify::FACES.iter().map(|face| area(face.map(|i| p[i]))).sum();
             let extent = p.iter().flat_map(|a| p.iter().map(move |b| a.distance(*b))).fold(0.0, f32::max);

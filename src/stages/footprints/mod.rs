@@ -67,7 +67,7 @@ impl PixelBoxes {
         boxes: &mut Vec<PixelBox>,
     ) {
         for &cell in cell_from_visible {
-            if let Some(pixels) = self.of_cell(block.tets[cell as usize], vertices, screen) {
+            if let Some(pixels) = self.of_cell(block.tets.get(cell as usize), vertices, screen) {
                 cell_from_projected.push(cell);
                 boxes.push(pixels);
             }

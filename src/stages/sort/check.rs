@@ -88,7 +88,8 @@ mod tests {
     /// The order by power distances that were not narrowed to 32 bits.
     fn checked_in_f64(dataset: &Dataset, vertices: &[SceneVertex], view: &View) -> OrderCheck {
         let power = Power::new(view);
-        let corners = |cell: u32| dataset.tets[cell as usize].map(|v| Vec3::from_array(vertices[v as usize].position));
+        let corners =
+            |cell: u32| dataset.tets.get(cell as usize).map(|v| Vec3::from_array(vertices[v as usize].position));
         let mut cells: Vec<(f64, u32)> =
             (0..dataset.tets.len() as u32).map(|cell| (power.depth(corners(cell)), cell)).collect();
         cells.sort_by(|a, b| a.0.total_cmp(&b.0));

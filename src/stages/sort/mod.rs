@@ -121,7 +121,8 @@ impl KeyMaker {
         cell_from_visible: &[u32],
         key_from_visible: &mut Vec<u32>,
     ) {
-        let corners = |&cell: &u32| block.tets[cell as usize].map(|v| Vec3::from_array(vertices[v as usize].position));
+        let corners =
+            |&cell: &u32| block.tets.get(cell as usize).map(|v| Vec3::from_array(vertices[v as usize].position));
         let cells = cell_from_visible.iter();
         match self {
             Self::None => key_from_visible.extend(cells.map(|_| 0)),

@@ -20,7 +20,7 @@ pub(super) struct Neighbours {
 pub(super) fn neighbours(dataset: &Dataset, cells: impl ParallelIterator<Item = u32>) -> Vec<Neighbours> {
     let mut faces: Vec<([u32; 3], u32, bool)> = cells
         .flat_map_iter(|cell| {
-            let tet = dataset.tets[cell as usize];
+            let tet = dataset.tets.get(cell as usize);
             let positive = dataset.positive.get(cell as usize);
             (0..4).map(move |k| (FACES[k].map(|i| tet[i]), cell, positive == OUTWARD_IF_POSITIVE[k]))
         })
