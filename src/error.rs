@@ -51,6 +51,15 @@ pub enum Error {
         source: Box<Error>,
     },
 
+    /// A file that is used in place is no longer what it was when it was opened.
+    #[error("{}: the file {problem} while it was in use; open it again, or read it whole with --no-mmap", path.display())]
+    Changed {
+        /// The file.
+        path: PathBuf,
+        /// What happened to it.
+        problem: &'static str,
+    },
+
     /// A cell names a vertex that does not exist.
     #[error(
         "{column}: cell {cell} refers to point {index}, but there are only {len} points (0 to {}); the file is damaged or truncated",
@@ -196,6 +205,7 @@ impl Error {
             | Self::Malformed { .. }
             | Self::Unsupported { .. }
             | Self::InFile { .. }
+            | Self::Changed { .. }
             | Self::Encode { .. } => self,
             other => Self::InFile { path: path.into(), source: Box::new(other) },
         }

@@ -162,7 +162,8 @@ impl Renderer {
     /// Draws one frame.
     ///
     /// # Errors
-    /// [`Error::Camera`] where the camera is not valid, [`Error::Option`] where the options are not.
+    /// [`Error::Camera`] where the camera is not valid, [`Error::Option`] where the options are not, [`Error::Changed`] where a file
+    /// that is used in place has changed.
     pub fn render(&mut self, scene: &Scene, camera: &Camera) -> Result<Rendered> {
         let options = self.options;
         if !(0.0..1.0).contains(&options.stop_transmittance) {
@@ -172,6 +173,9 @@ impl Renderer {
         if options.sort == SortMethod::Exact && options.cpu_method == CpuMethod::Fans {
             let problem = "exact checks every fragment, which fans do not; use footprints, or power".to_owned();
             return Err(Error::Option { option: "--sort", problem });
+        }
+        if let Some(backing) = &scene.dataset.backing {
+            backing.check()?;
         }
         let start = Instant::now();
         let view = View::new(camera, &scene.dataset)?;

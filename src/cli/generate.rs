@@ -1,14 +1,16 @@
-//! `generate`: an analytic mesh as a .vtu file.
+//! `generate`: an analytic mesh as a container or a .vtu file.
 
 use std::path::PathBuf;
 
 use cellfan::Error;
-use cellfan::generate::{Kind, MAX_JITTER, Orbital, Scheme, Settings, generate};
+use cellfan::generate::{Kind, MAX_JITTER, Orbital, Scheme, Settings, generate, source};
+use cellfan::io::container::WriteOptions;
 use cellfan::io::{Compression, UnstructuredMesh, check_target, write_vtu};
 use clap::Args;
 
 use super::Outcome;
 use super::arguments::{finite, named, one_of};
+use super::convert::{self, is_container_name};
 use super::numbers::count;
 use super::progress::Progress;
 
@@ -18,8 +20,8 @@ pub(super) struct Arguments {
     /// What to generate.
     #[arg(value_parser = named::<Kind>(Kind::ALL.map(|kind| (kind.name(), kind.description()))))]
     kind: Kind,
-    /// The file to write.
-    #[arg(short, long, value_name = "OUT.vtu")]
+    /// The file to write: a container (.cells), streamed and of any size, or .vtu.
+    #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Cells wanted; a grid has the fewest boxes that give as many.
     #[arg(long, value_name = "N", default_value_t = Settings::default().cells)]
@@ -39,7 +41,7 @@ pub(super) struct Arguments {
     /// Delaunay: random points alone, without those that make the mesh fill its cube.
     #[arg(long)]
     no_fill: bool,
-    /// Write the arrays as they are, not compressed by zlib: faster to write and to read.
+    /// In a .vtu: write the arrays as they are, not compressed by zlib: faster to write and to read.
     #[arg(long)]
     raw: bool,
 }
@@ -48,12 +50,14 @@ const EXAMPLES: &str = "\
 Examples:
   cellfan generate tets --cells 1000000 -o tets.vtu
   cellfan generate orbital --orbital 3,2,1 --cells 500000 -o orbital.vtu
+  cellfan generate tets --cells 100000000 -o huge.cells
   cellfan generate delaunay --cells 200000 --seed 7 --no-fill --raw -o delaunay.vtu";
 
 pub(super) fn run(arguments: &Arguments) -> Outcome {
     let path = &arguments.output;
-    if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("vtu")) {
-        let problem = format!("\"{}\": meshes are written as .vtu; end the name in it", path.display());
+    let is_container = is_container_name(path);
+    if !is_container && !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("vtu")) {
+        let problem = format!("\"{}\": meshes are written as .vtu or .cells; end the name in it", path.display());
         return Err(Error::Option { option: "--output", problem }.into());
     }
     if !(0.0..=MAX_JITTER).contains(&arguments.jitter) {
@@ -69,6 +73,14 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         fill_cube: !arguments.no_fill,
         orbital: arguments.orbital,
     };
+    if is_container {
+        let source = {
+            let _progress = Progress::running(format!("generating {}", arguments.kind));
+            source(arguments.kind, &settings)?
+        };
+        convert::write(source.as_ref(), path, &WriteOptions::default())?;
+        return Ok(());
+    }
     let mesh = {
         let _progress = Progress::running(format!("generating {}", arguments.kind));
         UnstructuredMesh::from_tets(&generate(arguments.kind, &settings)?)

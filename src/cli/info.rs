@@ -7,32 +7,54 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use cellfan::columns::{Array, CellCounts, Points};
-use cellfan::io::{UnstructuredMesh, formats, open_mesh};
+use cellfan::columns::{Array, ArrayRanges, CellCounts, Points, ValueRanges};
+use cellfan::io::{UnstructuredMesh, container, formats, open_mesh};
 use cellfan::{Dataset, Error};
 use clap::Args;
 use rayon::prelude::*;
 use report::{ArrayReport, Drawn, Range, Report};
 
+use super::numbers::{bytes, count};
 use super::progress::Progress;
 use super::{Outcome, stdout};
 
 #[derive(Args)]
 #[command(after_help = "Examples:\n  cellfan info mesh.vtu\n  cellfan info mesh.vtu --json | jq .arrays")]
 pub(super) struct Arguments {
-    /// The mesh: .vtu, .pvtu or .vtk.
+    /// The mesh: .cells, .vtu, .pvtu or .vtk.
     mesh: PathBuf,
     /// Write JSON.
     #[arg(long)]
     json: bool,
+    /// Check a container through and through: checksums, vertex numbers, orientations.
+    #[arg(long)]
+    check: bool,
+    /// Read a container whole instead of through a memory map.
+    #[arg(long)]
+    no_mmap: bool,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Outcome {
     let path = &arguments.mesh;
+    let is_container = path.is_file() && container::is_container(path)?;
+    if arguments.check && !is_container {
+        let problem = format!("\"{}\" is no container: it is checked whenever it is read", path.display());
+        return Err(Error::Option { option: "--check", problem }.into());
+    }
+    if arguments.check {
+        let _progress = Progress::running(format!("checking {}", path.display()));
+        let checked = container::check(path, !arguments.no_mmap)?;
+        let columns = count(checked.columns, "column");
+        tracing::info!("{}: {columns} of {} checked, all right", path.display(), bytes(checked.bytes));
+    }
     let report = {
         let _progress = Progress::running(format!("reading {}", path.display()));
-        let mesh = open_mesh(path)?;
-        report(path, mesh).map_err(|error| error.in_file(path))?
+        if is_container {
+            report_container(path, &container::open(path, !arguments.no_mmap)?)
+        } else {
+            let mesh = open_mesh(path)?;
+            report(path, mesh).map_err(|error| error.in_file(path))?
+        }
     };
     stdout::write(&if arguments.json { report.to_json() } else { report.to_string() })
 }
@@ -61,6 +83,41 @@ fn report(path: &Path, mesh: UnstructuredMesh) -> cellfan::Result<Report> {
         counts,
         drawn,
     })
+}
+
+/// What a container says of itself, without reading its columns through.
+fn report_container(path: &Path, dataset: &Dataset) -> Report {
+    let array = |(array, ranges): (&Array, &ArrayRanges)| {
+        let of = |scalar: &ValueRanges| {
+            let (low, high) = scalar.range;
+            (low <= high).then_some([low, high])
+        };
+        let (whole, parts) = ranges.by_component.split_first().map_or((None, &[][..]), |(w, p)| (of(w), p));
+        let is_scalar = array.components == 1;
+        ArrayReport {
+            name: array.name.clone(),
+            association: array.association,
+            components: array.components,
+            number_type: array.values.type_name(),
+            tuples: array.tuples() as u64,
+            component_ranges: if is_scalar { vec![whole] } else { parts.iter().map(of).collect() },
+            magnitude_range: whole.filter(|_| !is_scalar),
+        }
+    };
+    let bounds = dataset.bounds;
+    let corner = |p: glam::Vec3| (dataset.origin + p.as_dvec3()).to_array();
+    let cells = dataset.tets.len() as u64;
+    Report {
+        file: path.display().to_string(),
+        format: "cellfan container",
+        points: dataset.positions.len() as u64,
+        cells,
+        kinds: vec![kinds::tetrahedra(cells)],
+        bounds: Some([corner(bounds.min), corner(bounds.max)]),
+        arrays: dataset.arrays.iter().zip(&dataset.array_ranges).map(array).collect(),
+        counts: dataset.counts,
+        drawn: Ok(drawn(dataset)),
+    }
 }
 
 fn drawn(dataset: &Dataset) -> Drawn {

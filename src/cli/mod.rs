@@ -6,6 +6,7 @@
 
 mod arguments;
 mod completions;
+mod convert;
 mod failure;
 mod generate;
 mod info;
@@ -40,6 +41,8 @@ enum Command {
     Render(Box<render::Arguments>),
     /// Say what is in a mesh file and what of it would be drawn.
     Info(info::Arguments),
+    /// Write a mesh as a container, which is opened at once and drawn in place.
+    Convert(convert::Arguments),
     /// Write a mesh with an analytic field.
     Generate(generate::Arguments),
     /// Write a completion script for a shell to stdout.
@@ -80,6 +83,7 @@ pub(crate) fn run(arguments: impl Iterator<Item = OsString>) -> Outcome {
     pool.install(|| match &command {
         Command::Render(arguments) => render::run(arguments),
         Command::Info(arguments) => info::run(arguments),
+        Command::Convert(arguments) => convert::run(arguments),
         Command::Generate(arguments) => generate::run(arguments),
         Command::Completions(arguments) => completions::run(arguments),
     })

@@ -38,6 +38,11 @@ impl Progress {
         Self(bar)
     }
 
+    /// So many are done.
+    pub(super) fn reach(&self, done: u64) {
+        self.0.set_position(done);
+    }
+
     /// One more is done.
     pub(super) fn step(&self) {
         self.0.inc(1);

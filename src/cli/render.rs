@@ -15,6 +15,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use cellfan::image::Encoding;
+use cellfan::io::container;
 use cellfan::profile::{Profile, Stats, peak_rss_bytes};
 use cellfan::{CpuMethod, Dataset, Error, Image, Model, RenderOptions, Rendered, Renderer, Scene, SortMethod, io};
 
@@ -38,7 +39,7 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
     let view = ViewSource::load(arguments)?;
 
     let mut before = Profile::default();
-    let dataset = read(path, &mut before)?;
+    let dataset = read(path, !arguments.no_mmap, &mut before)?;
     let start = Instant::now();
     let field = array::choose(&dataset, arguments.array.as_deref()).map_err(|error| error.in_file(path))?;
     let (transfer, transfer_note) = transfer.make(&dataset, &field, options.model)?;
@@ -123,9 +124,14 @@ impl Frames {
 }
 
 /// Reads the mesh and puts its cells in order.
-fn read(path: &Path, profile: &mut Profile) -> cellfan::Result<Dataset> {
+fn read(path: &Path, use_map: bool, profile: &mut Profile) -> cellfan::Result<Dataset> {
     let _progress = Progress::running(format!("reading {}", path.display()));
     let start = Instant::now();
+    if path.is_file() && container::is_container(path)? {
+        let dataset = container::open(path, use_map)?;
+        profile.add("read", start.elapsed(), if use_map { 0 } else { path.metadata().map_or(0, |file| file.len()) });
+        return Ok(dataset);
+    }
     let mesh = io::open_mesh(path)?;
     let bytes = path.metadata().map_or(0, |file| file.len());
     profile.add("read", start.elapsed(), bytes);

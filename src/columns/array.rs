@@ -1,9 +1,10 @@
 //! Named arrays as the file holds them: any numeric type, any number of components, in file order.
 
-use super::Column;
+use super::{Column, SharedBytes};
+use crate::error::Result;
 
 /// Whether an array has one tuple per point or per cell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Association {
     /// One tuple per point of the file.
@@ -42,6 +43,41 @@ macro_rules! numeric_column {
             /// The name of the type, as in Rust.
             pub fn type_name(&self) -> &'static str {
                 match self { $(Self::$variant(_) => stringify!($type)),* }
+            }
+
+            /// Appends the values of some tuples of `components` values each, little-endian.
+            ///
+            /// # Panics
+            /// If there is no such tuple.
+            pub fn append_tuples(&self, components: usize, tuples: &[u32], bytes: &mut Vec<u8>) {
+                match self {
+                    $(Self::$variant(values) => {
+                        let values = &values[..];
+                        for &tuple in tuples {
+                            for value in &values[tuple as usize * components..][..components] {
+                                bytes.extend_from_slice(&value.to_le_bytes());
+                            }
+                        }
+                    })*
+                }
+            }
+
+            /// `len` values of the type called `type_name` from byte `offset` of a file's bytes, in place; none where there is
+            /// no such type.
+            ///
+            /// # Errors
+            /// As [`Column::shared`].
+            pub fn shared(
+                type_name: &str,
+                name: &str,
+                bytes: SharedBytes,
+                offset: usize,
+                len: usize,
+            ) -> Result<Option<Self>> {
+                $(if type_name == stringify!($type) {
+                    return Ok(Some(Self::$variant(Column::shared(name, bytes, offset, len)?)));
+                })*
+                Ok(None)
             }
 
             /// Value `i`, widened.

@@ -10,6 +10,11 @@ pub struct BitColumn {
 }
 
 impl BitColumn {
+    /// The bits of `len` entries in `words`; no bit is missing.
+    pub(crate) fn from_words(words: Column<u64>, len: usize) -> Option<Self> {
+        (words.len() == len.div_ceil(64)).then_some(Self { words, len })
+    }
+
     /// The bit of entry `i`.
     ///
     /// # Panics

@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use super::placement::{Placement, orientation_of};
 use super::spatial_order::{self, UNUSED};
 use super::{Array, Association, Block, Bounds, CellCounts, Dataset};
 use crate::error::{Error, Result};
@@ -68,15 +69,14 @@ impl Dataset {
         let TetMesh { points, mut tets, mut file_from_tet, arrays, mut counts } = mesh;
         check(&points, &tets, &file_from_tet, &arrays, counts.in_file)?;
 
-        // Re-centre in f64, then narrow: an offset of 10^6 costs no digit of the shape.
         let (low, high) = tets
             .par_iter()
             .flatten()
             .map(|&v| points.get(v as usize))
             .fold(|| (DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
             .reduce(|| (DVec3::INFINITY, DVec3::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
-        let origin = if tets.is_empty() { DVec3::ZERO } else { recentre(low, high, &points) };
-        let position = |v: u32| (points.get(v as usize) - origin).as_vec3();
+        let placement = Placement::new(&points, low, high);
+        let position = |v: u32| placement.position(points.get(v as usize));
 
         // Orientation and volume of what is drawn: of the narrowed positions, by an exact predicate.
         let orientation: Vec<i8> = tets.par_iter().map(|&tet| orientation_of(tet.map(position))).collect();
@@ -92,8 +92,7 @@ impl Dataset {
             return Err(Error::NoCells { found: describe(&counts) });
         }
 
-        let bounds = Bounds { min: (low - origin).as_vec3(), max: (high - origin).as_vec3() };
-        let tet_from_cell = spatial_order::tet_from_cell(&tets, position, bounds);
+        let tet_from_cell = spatial_order::tet_from_cell(&tets, |tet| placement.key(tet.map(position)));
         let vertex_from_file = spatial_order::vertex_from_file(points.len(), &tets, &tet_from_cell);
         let file_from_vertex = spatial_order::invert(&vertex_from_file);
 
@@ -125,7 +124,7 @@ impl Dataset {
         let bounds = blocks.iter().fold(Bounds::EMPTY, |all, block| all.union(block.bounds));
 
         Ok(Self {
-            origin,
+            origin: placement.origin,
             positions: positions.into(),
             tets: cells.into(),
             positive: signs.into_iter().collect(),
@@ -136,6 +135,7 @@ impl Dataset {
             blocks,
             bounds,
             counts,
+            backing: None,
         })
     }
 }
@@ -183,23 +183,7 @@ fn check(
     Ok(())
 }
 
-/// Single precision input near the origin keeps its bits; everything else is centred.
-fn recentre(low: DVec3, high: DVec3, points: &Points) -> DVec3 {
-    let center = (low + high) * 0.5;
-    let offset = center.abs().max_element();
-    let extent = (high - low).max_element();
-    if matches!(points, Points::F32(_)) && offset <= 4.0 * extent { DVec3::ZERO } else { center }
-}
-
-/// Sign of (b−a)×(c−a)·(d−a), exact (Shewchuk's adaptive predicate).
-fn orientation_of([a, b, c, d]: [Vec3; 4]) -> i8 {
-    let coord = |p: Vec3| robust::Coord3D { x: f64::from(p.x), y: f64::from(p.y), z: f64::from(p.z) };
-    // Shewchuk's orient3d is positive where d lies below the plane of a, b, c seen counterclockwise.
-    let determinant = -robust::orient3d(coord(a), coord(b), coord(c), coord(d));
-    i8::from(determinant > 0.0) - i8::from(determinant < 0.0)
-}
-
-fn describe(counts: &CellCounts) -> String {
+pub(crate) fn describe(counts: &CellCounts) -> String {
     let kinds = [
         (counts.lower_dimensional, "without volume by kind (points, lines, faces)"),
         (counts.ghost, "hidden by vtkGhostType"),

@@ -1,10 +1,11 @@
 //! `Dataset`: the validated mesh, in blocks of cells that lie together in space.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use super::{Array, BitColumn, BlockTets, Column, Tets};
+use super::{Array, Backing, BitColumn, BlockTets, Column, Tets};
 
 /// A box in space; empty when a minimum exceeds its maximum.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,7 +52,7 @@ impl Bounds {
 }
 
 /// What became of the cells of a file.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct CellCounts {
     /// Cells in the file, of any kind.
     pub in_file: u64,
@@ -127,6 +128,8 @@ pub struct Dataset {
     pub bounds: Bounds,
     /// What became of the file's cells.
     pub counts: CellCounts,
+    /// The file whose bytes are used in place, if there is one.
+    pub backing: Option<Arc<Backing>>,
 }
 
 impl Dataset {

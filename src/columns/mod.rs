@@ -5,18 +5,26 @@
 //! To add a column: a member of [`Dataset`], its check in `build.rs`, its line in [`BlockView`] if stages read it.
 
 mod array;
+mod backing;
 mod bits;
 mod build;
 mod column;
 mod dataset;
 mod field;
+mod placement;
 mod spatial_order;
+mod tet_source;
 mod tets;
 
 pub use array::{Array, Association, NumericColumn};
+pub use backing::Backing;
 pub use bits::BitColumn;
+pub(crate) use build::describe;
 pub use build::{Points, TetMesh};
 pub use column::{Column, SharedBytes};
 pub use dataset::{ArrayRanges, Block, BlockView, Bounds, CellCounts, Dataset, ValueRanges};
 pub use field::{Component, Field, FieldSelection};
+pub(crate) use placement::{Placement, orientation_of};
+pub(crate) use spatial_order::UNUSED;
+pub use tet_source::{ArrayHead, TetSource};
 pub use tets::{BlockIds, BlockTets, Tets, TetsView};

@@ -95,11 +95,6 @@ impl Tets {
         let view = self.view();
         (0..self.len).map(move |cell| view.get(cell))
     }
-
-    /// The bytes of memory that are neither mapped nor shared with a file's bytes.
-    pub(super) fn parts(&self) -> (&Column<[u32; 4]>, &Column<BlockIds>) {
-        (&self.wide, &self.blocks)
-    }
 }
 
 impl From<Vec<[u32; 4]>> for Tets {

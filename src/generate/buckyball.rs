@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use super::field::sample;
+use super::field::{Field, sample};
 use super::grid::grid;
 use super::settings::Settings;
 use crate::columns::TetMesh;
@@ -72,8 +72,13 @@ impl Default for Buckyball {
 /// As [`super::generate`].
 pub fn buckyball(settings: &Settings) -> Result<TetMesh> {
     let grid = grid(settings)?;
+    Ok(sample(grid.points, grid.tets, field()))
+}
+
+/// The density over the unit cube.
+pub(super) fn field() -> Field {
     let molecule = Buckyball::new();
-    Ok(sample(grid.points, grid.tets, |p| molecule.density(p)))
+    Box::new(move |p| molecule.density(p))
 }
 
 #[cfg(test)]

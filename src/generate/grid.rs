@@ -29,13 +29,9 @@ pub(super) struct Grid {
 
 /// The smallest grid that has at least `settings.cells` cells.
 pub(super) fn grid(settings: &Settings) -> Result<Grid> {
-    settings.check()?;
-    let boxes = boxes_along_an_edge(settings.cells, settings.scheme);
-    check_len("cells", boxes.pow(3) * u128::from(settings.scheme.tets_per_box()))?;
-    check_len("points", (boxes + 1).pow(3))?;
-    let lattice = Lattice { boxes: boxes as usize, settings: *settings };
-    let tets: Vec<[u32; 4]> = (0..lattice.boxes.pow(3)).into_par_iter().flat_map_iter(|b| lattice.tets(b)).collect();
-    Ok(Grid { points: lattice.points(&tets), tets })
+    let lattice = Lattice::new(settings)?;
+    let tets = (0..lattice.len()).into_par_iter().map(|i| lattice.tet(i)).collect();
+    Ok(Grid { points: lattice.points(), tets })
 }
 
 /// The smallest n with n³ boxes of at least `cells` cells.
@@ -49,31 +45,49 @@ fn boxes_along_an_edge(cells: u64, scheme: Scheme) -> u128 {
     n
 }
 
-struct Lattice {
+/// The rule that makes a grid, tetrahedron by tetrahedron.
+pub(super) struct Lattice {
     /// Boxes along an edge.
     boxes: usize,
     settings: Settings,
+    /// The tetrahedra of an even and of an odd box.
+    tets_of_box: [([[u8; 4]; 6], usize); 2],
 }
 
 impl Lattice {
-    fn tets(&self, b: usize) -> impl Iterator<Item = [u32; 4]> + use<> {
-        let (n, side) = (self.boxes, self.boxes + 1);
+    /// The smallest that gives at least `settings.cells` cells.
+    pub(super) fn new(settings: &Settings) -> Result<Self> {
+        settings.check()?;
+        let boxes = boxes_along_an_edge(settings.cells, settings.scheme);
+        check_len("cells", boxes.pow(3) * u128::from(settings.scheme.tets_per_box()))?;
+        check_len("points", (boxes + 1).pow(3))?;
+        let tets_of_box = [false, true].map(|odd| tets_of_box(settings.scheme, odd));
+        Ok(Self { boxes: boxes as usize, settings: *settings, tets_of_box })
+    }
+
+    /// How many tetrahedra there are.
+    pub(super) fn len(&self) -> usize {
+        self.boxes.pow(3) * self.settings.scheme.tets_per_box() as usize
+    }
+
+    /// Tetrahedron `i`; those of a box follow each other.
+    pub(super) fn tet(&self, i: usize) -> [u32; 4] {
+        let (n, side, per_box) = (self.boxes, self.boxes + 1, self.settings.scheme.tets_per_box() as usize);
+        let b = i / per_box;
         let [x, y, z] = [b % n, b / n % n, b / (n * n)];
-        let odd = (x + y + z) % 2 == 1;
-        let corner = move |c: u8| {
+        let (tets, _) = self.tets_of_box[(x + y + z) % 2];
+        tets[i % per_box].map(|c| {
             ((x + usize::from(c & 1)) + side * ((y + usize::from(c >> 1 & 1)) + side * (z + usize::from(c >> 2))))
                 as u32
-        };
-        let (tets, count) = tets_of_box(self.settings.scheme, odd);
-        tets.into_iter().take(count).map(move |tet| tet.map(corner))
+        })
     }
 
     /// All points, jittered.
-    fn points(&self, tets: &[[u32; 4]]) -> Vec<[f32; 3]> {
+    pub(super) fn points(&self) -> Vec<[f32; 3]> {
         let side = self.boxes + 1;
         let mut points: Vec<[f32; 3]> = (0..side.pow(3)).into_par_iter().map(|v| self.point(v, 1.0)).collect();
         let mut halvings: Vec<u8> = Vec::new();
-        while let squeezed = self.squeezed(tets, &points)
+        while let squeezed = self.squeezed(&points)
             && !squeezed.is_empty()
         {
             halvings.resize(points.len(), 0);
@@ -102,15 +116,15 @@ impl Lattice {
     }
 
     /// The vertices of all cells that keep too little of their volume, ascending, each once.
-    fn squeezed(&self, tets: &[[u32; 4]], points: &[[f32; 3]]) -> Vec<usize> {
+    fn squeezed(&self, points: &[[f32; 3]]) -> Vec<usize> {
         if 1.0 - 6.0 * self.settings.jitter > MIN_VOLUME_KEPT {
             return Vec::new(); // it cannot happen
         }
         let spacing = 1.0 / self.boxes as f64;
         let per_box = self.settings.scheme.tets_per_box() as usize;
-        let mut squeezed: Vec<usize> = tets
-            .par_iter()
-            .enumerate()
+        let mut squeezed: Vec<usize> = (0..self.len())
+            .into_par_iter()
+            .map(|i| (i, self.tet(i)))
             .filter(|&(i, tet)| {
                 // Six times the regular volume, in boxes: 1, but 2 for the middle of five, which comes first.
                 let regular = if per_box == 5 && i % per_box == 0 { 2.0 } else { 1.0 };

@@ -26,7 +26,10 @@ pub use triangulation::tetrahedralize;
 use std::fmt;
 use std::str::FromStr;
 
-use crate::columns::TetMesh;
+use field::GridSource;
+use grid::Lattice;
+
+use crate::columns::{TetMesh, TetSource};
 use crate::error::{Error, Result};
 
 /// What can be generated.
@@ -102,6 +105,28 @@ pub fn generate(kind: Kind, settings: &Settings) -> Result<TetMesh> {
         Kind::Orbital => orbital(settings),
         Kind::Delaunay => delaunay(settings),
     }
+}
+
+/// As [`generate`], but cells and values are made when they are asked for, where the kind allows it (all but
+/// [`Kind::Delaunay`]): for meshes larger than memory, of which only the points are kept.
+///
+/// ```
+/// # use cellfan::generate::{Kind, Settings, source};
+/// let source = source(Kind::Tets, &Settings { cells: 1000, ..Settings::default() })?;
+/// assert_eq!((source.tets(), source.points().len()), (1296, 343));
+/// # Ok::<(), cellfan::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`generate`].
+pub fn source(kind: Kind, settings: &Settings) -> Result<Box<dyn TetSource>> {
+    let field: field::Field = match kind {
+        Kind::Tets => Box::new(marschner_lobb),
+        Kind::Buckyball => buckyball::field(),
+        Kind::Orbital => orbital::field(settings)?,
+        Kind::Delaunay => return Ok(Box::new(delaunay(settings)?)),
+    };
+    Ok(Box::new(GridSource::new(Lattice::new(settings)?, field)))
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::field::sample;
+use super::field::{Field, sample};
 use super::grid::grid;
 use super::settings::Settings;
 use crate::columns::TetMesh;
@@ -113,10 +113,16 @@ fn legendre(l: u32, m: u32, x: f64) -> f64 {
 /// # Errors
 /// As [`super::generate`]; [`Error::Option`] where there is no such orbital.
 pub fn orbital(settings: &Settings) -> Result<TetMesh> {
-    settings.orbital.check()?;
+    let field = field(settings)?;
     let grid = grid(settings)?;
+    Ok(sample(grid.points, grid.tets, field))
+}
+
+/// The density over the unit cube.
+pub(super) fn field(settings: &Settings) -> Result<Field> {
+    settings.orbital.check()?;
     let (orbital, edge) = (settings.orbital, 2.0 * settings.orbital.half_edge());
-    Ok(sample(grid.points, grid.tets, |p| orbital.density((p - DVec3::splat(0.5)) * edge)))
+    Ok(Box::new(move |p| orbital.density((p - DVec3::splat(0.5)) * edge)))
 }
 
 #[cfg(test)]

@@ -5,7 +5,9 @@
 //! [`formats::READ`]. To refuse one by its name: a line in [`formats::REFUSED`].
 
 mod assemble;
+pub mod container;
 pub mod formats;
+mod mapping;
 mod mesh;
 mod numbers;
 mod offsets;
@@ -42,6 +44,17 @@ use crate::error::{Error, Result};
 /// # Ok::<(), cellfan::Error>(())
 /// ```
 pub fn open(path: &Path) -> Result<Dataset> {
+    open_with(path, true)
+}
+
+/// As [`open`]; a container is mapped (`use_map`) or read whole. Other formats are always read whole.
+///
+/// # Errors
+/// Those of [`open`].
+pub fn open_with(path: &Path, use_map: bool) -> Result<Dataset> {
+    if path.is_file() && container::is_container(path)? {
+        return container::open(path, use_map);
+    }
     open_mesh(path)?.into_dataset().map_err(|error| error.in_file(path))
 }
 

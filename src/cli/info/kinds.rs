@@ -27,6 +27,11 @@ pub(super) fn count(types: &[u8]) -> Vec<KindCount> {
         .collect()
 }
 
+/// Tetrahedra alone.
+pub(super) fn tetrahedra(count: u64) -> KindCount {
+    KindCount { name: name(10), code: 10, count }
+}
+
 fn name(code: u8) -> String {
     match classify(code) {
         CellClass::Volume { kind, nodes: Nodes::Linear } => kind.name.to_owned(),

@@ -71,6 +71,9 @@ pub(in crate::cli) struct Arguments {
     /// How the light of a cell is integrated along a ray.
     #[arg(long, help_heading = "Method", default_value_t, value_parser = named::<Integral>(INTEGRALS))]
     pub(super) integral: Integral,
+    /// Read a container (.cells) whole instead of using it in place through a memory map.
+    #[arg(long, help_heading = "Method")]
+    pub(super) no_mmap: bool,
     /// End a ray at this transmittance, which bounds the error; 0 never ends one.
     #[arg(long, value_name = "T", help_heading = "Method", default_value = "1e-5", value_parser = transmittance, allow_hyphen_values = true)]
     pub(super) stop: f32,

@@ -1,0 +1,102 @@
+//! `convert`: a mesh of any format as a container.
+
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::time::Instant;
+
+use cellfan::Error;
+use cellfan::columns::TetSource;
+use cellfan::io::container::{self, Phase, WriteOptions, Written};
+use cellfan::io::{check_target, open_mesh};
+use clap::Args;
+
+use super::Outcome;
+use super::numbers::{bytes, count};
+use super::progress::Progress;
+
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct Arguments {
+    /// The mesh: .vtu, .pvtu or .vtk.
+    mesh: PathBuf,
+    /// The container to write.
+    #[arg(value_name = "OUT.cells")]
+    output: PathBuf,
+    /// Memory to sort in, in MiB; what does not fit goes through a temporary file in the output's folder.
+    #[arg(long, value_name = "MIB", default_value_t = WriteOptions::default().memory_bytes >> 20)]
+    sort_memory: u64,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  cellfan convert mesh.vtu mesh.cells
+  cellfan convert --sort-memory 256 huge.vtu huge.cells";
+
+pub(super) fn run(arguments: &Arguments) -> Outcome {
+    let (path, output) = (&arguments.mesh, &arguments.output);
+    check_name(output)?;
+    check_target(output)?;
+    if path.is_file() && container::is_container(path)? {
+        let problem = format!("\"{}\" is a container already", path.display());
+        return Err(Error::Option { option: "MESH", problem }.into());
+    }
+    let mesh = {
+        let _progress = Progress::running(format!("reading {}", path.display()));
+        open_mesh(path)?.into_tets().map_err(|error| error.in_file(path))?
+    };
+    let options = WriteOptions { memory_bytes: arguments.sort_memory.saturating_mul(1 << 20) };
+    write(&mesh, output, &options).map_err(|error| error.in_file(path))?;
+    Ok(())
+}
+
+/// Refuses names that would not be recognised as a container.
+pub(super) fn check_name(output: &Path) -> cellfan::Result<()> {
+    if is_container_name(output) {
+        return Ok(());
+    }
+    let problem = format!("\"{}\": containers are written as .cells; end the name in it", output.display());
+    Err(Error::Option { option: "OUT.cells", problem })
+}
+
+pub(super) fn is_container_name(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("cells"))
+}
+
+/// Writes a container with a bar for each phase, and says what was written.
+pub(super) fn write(source: &dyn TetSource, output: &Path, options: &WriteOptions) -> cellfan::Result<Written> {
+    let start = Instant::now();
+    let bar: Mutex<Option<(Phase, Progress)>> = Mutex::new(None);
+    let tell = |phase: Phase, done: u64, of: u64| {
+        let Ok(mut bar) = bar.lock() else { return };
+        if bar.as_ref().is_none_or(|(shown, _)| *shown != phase) {
+            *bar = None; // one leaves before the next appears
+            *bar = Some((phase, Progress::counting(name(phase), of)));
+        }
+        if let Some((_, progress)) = &*bar {
+            progress.reach(done);
+        }
+    };
+    let written = container::write(source, output, options, &tell);
+    drop(bar);
+    let written = written?;
+    let rate = written.cells as f64 / start.elapsed().as_secs_f64() / 1e6;
+    let (narrow, blocks) = written.narrow_blocks;
+    tracing::info!(
+        "wrote {}: {}, {}, {}; {rate:.1} million cells/s",
+        output.display(),
+        count(written.cells, "cell"),
+        count(written.vertices, "vertex").replace("vertexs", "vertices"),
+        bytes(written.file_bytes),
+    );
+    tracing::debug!(narrow, blocks, "blocks with 16-bit vertex numbers");
+    Ok(written)
+}
+
+fn name(phase: Phase) -> &'static str {
+    match phase {
+        Phase::Order => "ordering cells",
+        Phase::Cells => "writing cells",
+        Phase::Vertices => "writing vertices",
+        Phase::Ranges => "finding ranges",
+    }
+}

@@ -1,0 +1,237 @@
+//! Header and directory: what a container says of its columns, checked before any of them is used.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use twox_hash::XxHash3_64;
+
+use crate::columns::{Association, CellCounts, Dataset};
+use crate::error::{Error, Result};
+
+/// How a container begins; what text-mode transfers change is in it.
+pub const MAGIC: [u8; 8] = *b"\x89CELLS\r\n";
+
+/// The version this program writes, and the only one it reads.
+pub(super) const VERSION: u32 = 1;
+
+/// Columns begin at multiples of this.
+pub(super) const ALIGNMENT: u64 = 64;
+
+pub(super) const HEADER_BYTES: usize = 64;
+
+/// No directory is longer: a hundred thousand arrays fit.
+const DIRECTORY_BYTES_MAX: u64 = 1 << 26;
+
+/// The first 64 bytes, little-endian.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Header {
+    /// Length of the file.
+    pub(super) file_bytes: u64,
+    pub(super) directory_offset: u64,
+    pub(super) directory_bytes: u64,
+    pub(super) directory_checksum: u64,
+}
+
+impl Header {
+    pub(super) fn to_bytes(self) -> [u8; HEADER_BYTES] {
+        let mut bytes = [0; HEADER_BYTES];
+        bytes[..8].copy_from_slice(&MAGIC);
+        bytes[8..12].copy_from_slice(&VERSION.to_le_bytes());
+        let fields = [self.file_bytes, self.directory_offset, self.directory_bytes, self.directory_checksum];
+        for (to, field) in bytes[16..48].chunks_exact_mut(8).zip(fields) {
+            to.copy_from_slice(&field.to_le_bytes());
+        }
+        bytes
+    }
+
+    fn from_bytes(bytes: &[u8]) -> std::result::Result<Self, String> {
+        let header: &[u8; HEADER_BYTES] =
+            bytes.first_chunk().ok_or_else(|| format!("{} bytes are less than a header", bytes.len()))?;
+        if header[..8] != MAGIC {
+            return Err("it does not begin as a container does".to_owned());
+        }
+        let word = |at: usize| u64::from_le_bytes(std::array::from_fn(|i| header[at + i]));
+        let version = word(8) as u32;
+        if version != VERSION {
+            return Err(format!("version {version}, where this program reads {VERSION}; write it again with convert"));
+        }
+        let fields = [word(16), word(24), word(32), word(40)];
+        let [file_bytes, directory_offset, directory_bytes, directory_checksum] = fields;
+        Ok(Self { file_bytes, directory_offset, directory_bytes, directory_checksum })
+    }
+}
+
+/// A run of bytes and their XXH3-64.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Span {
+    pub(super) offset: u64,
+    pub(super) bytes: u64,
+    #[serde(with = "hexadecimal")]
+    pub(super) xxh3: u64,
+}
+
+/// 64 bits as 16 digits: JSON readers in other languages keep 53.
+mod hexadecimal {
+    use serde::{Deserialize, Deserializer, Serializer, de::Error};
+
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+    pub(super) fn serialize<S: Serializer>(value: &u64, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(&format!("{value:016x}"))
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u64, D::Error> {
+        u64::from_str_radix(&String::deserialize(deserializer)?, 16).map_err(D::Error::custom)
+    }
+}
+
+/// What the columns are, as JSON in the file.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Directory {
+    pub(super) cell_kind: String,
+    pub(super) cells: u64,
+    pub(super) vertices: u64,
+    pub(super) cells_per_block: u64,
+    pub(super) origin: [f64; 3],
+    pub(super) counts: CellCounts,
+    pub(super) positions: Span,
+    pub(super) orientation: Span,
+    pub(super) tetrahedra: Span,
+    pub(super) block_ids: Span,
+    pub(super) block_bounds: Span,
+    pub(super) arrays: Vec<ArrayEntry>,
+}
+
+/// A named array.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct ArrayEntry {
+    pub(super) name: String,
+    pub(super) association: Association,
+    pub(super) components: u64,
+    pub(super) number_type: String,
+    pub(super) values: Span,
+    /// Of the value or magnitude, then, where there are several, of each component.
+    pub(super) ranges: Vec<RangeEntry>,
+}
+
+/// What is known of one scalar.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct RangeEntry {
+    /// Absent where no value is finite.
+    pub(super) range: Option<[f64; 2]>,
+    pub(super) invalid_cells: u64,
+    pub(super) block_ranges: Span,
+}
+
+impl Directory {
+    /// Finds the directory of a container and checks everything that can be checked without its columns.
+    pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Self> {
+        let malformed =
+            |place: &str, problem: String| Error::Malformed { path: path.to_owned(), place: place.to_owned(), problem };
+        let header = Header::from_bytes(bytes).map_err(|problem| malformed("header", problem))?;
+        let len = bytes.len() as u64;
+        if header.file_bytes != len {
+            let problem = format!("the file has {len} bytes, not the {} it was written with", header.file_bytes);
+            return Err(malformed("header", problem + "; copy or write it again"));
+        }
+        let end = header.directory_offset.checked_add(header.directory_bytes);
+        if header.directory_bytes > DIRECTORY_BYTES_MAX || end.is_none_or(|end| end > len) {
+            return Err(malformed("header", "the directory lies outside the file".to_owned()));
+        }
+        let text = &bytes[header.directory_offset as usize..][..header.directory_bytes as usize];
+        if XxHash3_64::oneshot(text) != header.directory_checksum {
+            return Err(malformed("directory", "its checksum is wrong; the file is damaged".to_owned()));
+        }
+        let directory: Self =
+            serde_json::from_slice(text).map_err(|error| malformed("directory", error.to_string()))?;
+        directory.check(len).map_err(|(place, problem)| malformed(&place, problem))?;
+        Ok(directory)
+    }
+
+    /// Numbers that 32 bits hold, columns of the right length that lie in the file, aligned, without overlap.
+    fn check(&self, file_bytes: u64) -> std::result::Result<(), (String, String)> {
+        let directory = |problem: String| ("directory".to_owned(), problem);
+        if self.cell_kind != "tetrahedron" {
+            return Err(directory(format!("cells of kind {:?}; this version reads tetrahedra", self.cell_kind)));
+        }
+        let limit = u64::from(u32::MAX) - 1;
+        if self.cells == 0 || self.cells > limit || self.vertices == 0 || self.vertices > limit {
+            return Err(directory(format!("{} cells of {} vertices; 1 to {limit} each", self.cells, self.vertices)));
+        }
+        if self.cells_per_block != Dataset::BLOCK_CELLS as u64 {
+            let problem =
+                format!("blocks of {} cells; this version reads {}", self.cells_per_block, Dataset::BLOCK_CELLS);
+            return Err(directory(problem));
+        }
+        if !self.origin.iter().all(|x| x.is_finite()) {
+            return Err(directory("the origin is not finite".to_owned()));
+        }
+        let mut spans = self.spans()?;
+        for (name, span, expected) in &spans {
+            let place = || format!("column {name}");
+            if expected.is_some_and(|expected| expected != span.bytes) {
+                let problem = format!("{} bytes where {} are needed", span.bytes, expected.unwrap_or_default());
+                return Err((place(), problem));
+            }
+            if !span.offset.is_multiple_of(ALIGNMENT) {
+                return Err((place(), format!("it begins at byte {}, no multiple of {ALIGNMENT}", span.offset)));
+            }
+            if span.offset.checked_add(span.bytes).is_none_or(|end| end > file_bytes) || span.offset < ALIGNMENT {
+                return Err((place(), "it lies outside the file".to_owned()));
+            }
+        }
+        spans.sort_by_key(|(_, span, _)| (span.offset, span.bytes));
+        for two in spans.windows(2) {
+            if two[0].1.offset + two[0].1.bytes > two[1].1.offset {
+                return Err((format!("column {}", two[1].0), format!("it overlaps with {}", two[0].0)));
+            }
+        }
+        Ok(())
+    }
+
+    /// Every column: its name, where it is, and the length it must have, where that is known.
+    pub(super) fn spans(&self) -> std::result::Result<Vec<(String, Span, Option<u64>)>, (String, String)> {
+        let blocks = self.cells.div_ceil(self.cells_per_block);
+        let mut spans = vec![
+            ("positions".to_owned(), self.positions, Some(self.vertices * 12)),
+            ("orientation".to_owned(), self.orientation, Some(self.cells.div_ceil(64) * 8)),
+            ("tetrahedra".to_owned(), self.tetrahedra, None),
+            ("block_ids".to_owned(), self.block_ids, Some(blocks * 8)),
+            ("block_bounds".to_owned(), self.block_bounds, Some(blocks * 24)),
+        ];
+        for array in &self.arrays {
+            let wrong = |problem: &str| (format!("array {:?}", array.name), problem.to_owned());
+            let size = size_of_number(&array.number_type).ok_or_else(|| wrong("numbers of an unknown type"))?;
+            let tuples = match array.association {
+                Association::Point => self.vertices,
+                Association::Cell => self.cells,
+            };
+            let bytes = tuples.checked_mul(array.components).and_then(|values| values.checked_mul(size));
+            if array.components == 0 || bytes.is_none() {
+                return Err(wrong("an impossible number of components"));
+            }
+            spans.push((format!("array {:?}", array.name), array.values, bytes));
+            let known = if array.components == 1 { 1 } else { array.components.saturating_add(1) };
+            if array.ranges.len() as u64 > known {
+                return Err(wrong("more ranges than components"));
+            }
+            for (i, range) in array.ranges.iter().enumerate() {
+                if range.range.is_some_and(|[low, high]| !(low <= high && low.is_finite() && high.is_finite())) {
+                    return Err(wrong("a range that is none"));
+                }
+                spans.push((format!("ranges {i} of {:?}", array.name), range.block_ranges, Some(blocks * 16)));
+            }
+        }
+        Ok(spans)
+    }
+}
+
+/// Bytes of a number.
+fn size_of_number(number_type: &str) -> Option<u64> {
+    match number_type {
+        "i8" | "u8" => Some(1),
+        "i16" | "u16" => Some(2),
+        "i32" | "u32" | "f32" => Some(4),
+        "i64" | "u64" | "f64" => Some(8),
+        _ => None,
+    }
+}

@@ -1,0 +1,138 @@
+//! Opening a container: its columns in place, none copied, none read through.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+use std::sync::Arc;
+
+use bytemuck::Pod;
+use glam::{DVec3, Vec3};
+
+use super::directory::{Directory, MAGIC, Span};
+use crate::columns::{
+    Array, ArrayRanges, BitColumn, Block, Bounds, Column, Dataset, NumericColumn, SharedBytes, Tets, ValueRanges,
+};
+use crate::error::{Error, Result};
+use crate::io::mapping::bytes_of;
+
+/// Whether the file at `path` begins as a container does.
+///
+/// # Errors
+/// [`Error::Io`] where it cannot be read.
+pub fn is_container(path: &Path) -> Result<bool> {
+    let at = |source| Error::Io { path: path.to_owned(), source };
+    let mut head = Vec::new();
+    File::open(path).map_err(at)?.take(MAGIC.len() as u64).read_to_end(&mut head).map_err(at)?;
+    Ok(head == MAGIC)
+}
+
+/// Opens a container: in place through a memory map, or (`use_map` false) read whole.
+///
+/// Header, directory, and the layout of all columns are checked, the contents are not: that would read all of a file that may be
+/// larger than memory. [`check`](super::check()) does. A vertex number beyond the last vertex reads as the last one.
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::Malformed`] with the column and what is wrong with it.
+pub fn open(path: &Path, use_map: bool) -> Result<Dataset> {
+    if cfg!(target_endian = "big") {
+        let (what, advice) = ("a container on a big-endian machine", "open the file it was made from");
+        return Err(Error::Unsupported { path: path.to_owned(), what: what.to_owned(), advice: advice.to_owned() });
+    }
+    let file = File::open(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
+    let (bytes, backing) = bytes_of(path, file, use_map)?;
+    let directory = Directory::read((*bytes).as_ref(), path)?;
+    let columns = Columns { bytes, path };
+
+    let (cells, vertices) = (directory.cells as usize, directory.vertices as usize);
+    let positions = columns.of("positions", directory.positions)?;
+    let words = columns.of("orientation", directory.orientation)?;
+    let wrong = |place: &str, problem: &str| columns.malformed(place, problem.to_owned());
+    let positive = BitColumn::from_words(words, cells).ok_or_else(|| wrong("orientation", "bits are missing"))?;
+    let tets = Tets::blocked(
+        columns.of("tetrahedra", directory.tetrahedra)?,
+        columns.of("tetrahedra", directory.tetrahedra)?,
+        columns.of("block_ids", directory.block_ids)?,
+        cells,
+        vertices,
+    )
+    .map_err(|error| columns.malformed("column tetrahedra", error.to_string()))?;
+
+    let block_bounds: Column<[[f32; 3]; 2]> = columns.of("block_bounds", directory.block_bounds)?;
+    let mut blocks = Vec::with_capacity(block_bounds.len());
+    let mut bounds = Bounds::EMPTY;
+    for (i, &[min, max]) in block_bounds.iter().enumerate() {
+        let block = Bounds { min: Vec3::from_array(min), max: Vec3::from_array(max) };
+        if !block.min.cmple(block.max).all() || !block.min.is_finite() || !block.max.is_finite() {
+            return Err(columns.malformed("column block_bounds", format!("the box of block {i} is none")));
+        }
+        bounds = bounds.union(block);
+        let first = i * Dataset::BLOCK_CELLS;
+        blocks.push(Block { cells: first..(first + Dataset::BLOCK_CELLS).min(cells), bounds: block });
+    }
+
+    let mut arrays = Vec::with_capacity(directory.arrays.len());
+    let mut array_ranges = Vec::with_capacity(directory.arrays.len());
+    for entry in directory.arrays {
+        let size = entry.values.bytes / (tuples(&entry, cells, vertices) * entry.components).max(1);
+        let len = entry.values.bytes / size.max(1);
+        let shared = NumericColumn::shared(
+            &entry.number_type,
+            &entry.name,
+            Arc::clone(&columns.bytes),
+            entry.values.offset as usize,
+            len as usize,
+        );
+        let values = shared.ok().flatten().ok_or_else(|| wrong(&format!("array {:?}", entry.name), "not in place"))?;
+        let mut by_component = Vec::with_capacity(entry.ranges.len());
+        for range in &entry.ranges {
+            let [low, high] = range.range.unwrap_or([f64::INFINITY, f64::NEG_INFINITY]);
+            by_component.push(ValueRanges {
+                range: (low, high),
+                invalid: range.invalid_cells,
+                blocks: columns.of("ranges", range.block_ranges)?,
+            });
+        }
+        array_ranges.push(ArrayRanges { by_component });
+        let (association, components) = (entry.association, entry.components as usize);
+        arrays.push(Array { name: entry.name, association, components, values });
+    }
+
+    Ok(Dataset {
+        origin: DVec3::from_array(directory.origin),
+        positions,
+        tets,
+        positive,
+        file_from_vertex: None,
+        file_from_cell: None,
+        arrays,
+        array_ranges,
+        blocks,
+        bounds,
+        counts: directory.counts,
+        backing,
+    })
+}
+
+fn tuples(entry: &super::directory::ArrayEntry, cells: usize, vertices: usize) -> u64 {
+    match entry.association {
+        crate::columns::Association::Point => vertices as u64,
+        crate::columns::Association::Cell => cells as u64,
+    }
+}
+
+/// The bytes of a container, of which columns are parts.
+struct Columns<'a> {
+    bytes: SharedBytes,
+    path: &'a Path,
+}
+
+impl Columns<'_> {
+    fn of<T: Pod>(&self, name: &str, span: Span) -> Result<Column<T>> {
+        Column::shared(name, Arc::clone(&self.bytes), span.offset as usize, span.bytes as usize / size_of::<T>())
+            .map_err(|error| self.malformed(&format!("column {name}"), error.to_string()))
+    }
+
+    fn malformed(&self, place: &str, problem: String) -> Error {
+        Error::Malformed { path: self.path.to_owned(), place: place.to_owned(), problem }
+    }
+}

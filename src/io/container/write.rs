@@ -1,0 +1,202 @@
+//! Writing a container, in bounded memory and in one go: the file appears under its name when it is whole.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use twox_hash::XxHash3_64;
+
+use super::cells::{self, Tell, WrittenCells, append_values};
+use super::directory::{ArrayEntry, Directory, Header, RangeEntry, Span};
+use super::ranges;
+use super::sink::Sink;
+use crate::atomic::AtomicFile;
+use crate::columns::{Association, Column, Dataset, NumericColumn, SharedBytes, TetSource, Tets};
+use crate::error::{Error, Result};
+use crate::io::mapping::bytes_of;
+
+/// What to write a container with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WriteOptions {
+    /// Memory to keep to, beside the source's points and 12 bytes a point; the sort gets at least a sixteenth of a gibibyte.
+    pub memory_bytes: u64,
+}
+
+impl Default for WriteOptions {
+    fn default() -> Self {
+        Self { memory_bytes: 1 << 30 }
+    }
+}
+
+/// What is going on while a container is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Finding the order of the cells.
+    Order,
+    /// Writing the cells and their arrays.
+    Cells,
+    /// Writing the vertices and their arrays.
+    Vertices,
+    /// Finding the ranges of the arrays.
+    Ranges,
+}
+
+/// What was written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Written {
+    /// Cells with a volume.
+    pub cells: u64,
+    /// Points that cells use.
+    pub vertices: u64,
+    /// Length of the file.
+    pub file_bytes: u64,
+    /// Blocks whose vertices have 16-bit numbers, and all blocks.
+    pub narrow_blocks: (u64, u64),
+    /// What became of the source's cells.
+    pub counts: crate::columns::CellCounts,
+}
+
+/// Vertices whose columns are gathered at once.
+const VERTICES_AT_ONCE: usize = 1 << 18;
+
+/// Writes the tetrahedra of `source` to the container `path`: what [`Dataset::from_tets`] makes of them, to the bit.
+///
+/// `tell` hears of the progress: phase, done, of how many. Sorting more than the memory holds takes 12 bytes a cell in a nameless
+/// file in the folder of `path`.
+///
+/// # Errors
+/// Those of [`Dataset::from_tets`], and [`Error::Io`]; what was at `path` is then as it was.
+///
+/// ```
+/// use cellfan::{Dataset, generate, io};
+/// let mesh = generate::tets(&generate::Settings { cells: 750, ..Default::default() })?;
+/// let folder = tempfile::tempdir().unwrap();
+/// let path = folder.path().join("mesh.cells");
+/// let written = io::container::write(&mesh, &path, &Default::default(), &|_, _, _| {})?;
+/// assert_eq!((written.cells, written.vertices), (750, 216));
+/// let dataset = io::open(&path)?;
+/// assert_eq!(dataset.tets.get(7), Dataset::from_tets(mesh)?.tets.get(7));
+/// # Ok::<(), cellfan::Error>(())
+/// ```
+pub fn write(source: &dyn TetSource, path: &Path, options: &WriteOptions, tell: Tell) -> Result<Written> {
+    let points = source.points();
+    let fixed_bytes = points.len() as u64 * 12;
+    let sort_bytes = options.memory_bytes.saturating_sub(fixed_bytes).max(1 << 26);
+    let mut file = AtomicFile::create(path)?;
+    let mut ordered = cells::order(source, path, sort_bytes, tell)?;
+
+    let mut sink = Sink::new(&mut file.writer, path);
+    let cells = cells::write(source, &mut ordered, &mut sink, tell)?;
+    let positions = write_positions(source, &ordered.placement, &cells.file_from_vertex, &mut sink)?;
+    let heads = source.arrays();
+    let mut cell_arrays = cells.cell_arrays.iter().copied();
+    let mut arrays = Vec::with_capacity(heads.len());
+    for (i, head) in heads.into_iter().enumerate() {
+        let values = match head.association {
+            Association::Cell => cell_arrays.next().unwrap_or(positions),
+            Association::Point => write_point_array(source, i, &cells.file_from_vertex, &mut sink)?,
+        };
+        tell(Phase::Vertices, i as u64 + 1, source.arrays().len() as u64);
+        arrays.push(ArrayEntry {
+            name: head.name,
+            association: head.association,
+            components: head.components as u64,
+            number_type: head.type_name.to_owned(),
+            values,
+            ranges: Vec::new(),
+        });
+    }
+    let block_ids = sink.whole(bytemuck::cast_slice(&cells.block_ids))?;
+    let block_bounds = sink.whole(bytemuck::cast_slice(&cells.block_bounds))?;
+    write_ranges(&mut arrays, &cells, ordered.cells, path, &mut sink, tell)?;
+
+    let directory = Directory {
+        cell_kind: "tetrahedron".to_owned(),
+        cells: ordered.cells as u64,
+        vertices: cells.file_from_vertex.len() as u64,
+        cells_per_block: Dataset::BLOCK_CELLS as u64,
+        origin: ordered.placement.origin.to_array(),
+        counts: ordered.counts,
+        positions,
+        orientation: cells.orientation,
+        tetrahedra: cells.tetrahedra,
+        block_ids,
+        block_bounds,
+        arrays,
+    };
+    let encode = |error: serde_json::Error| Error::Io { path: path.to_owned(), source: error.into() };
+    let text = serde_json::to_vec(&directory).map_err(encode)?;
+    let Span { offset: directory_offset, bytes: directory_bytes, .. } = sink.whole(&text)?;
+    let directory_checksum = XxHash3_64::oneshot(&text);
+    let file_bytes = sink.end();
+    sink.header(&Header { file_bytes, directory_offset, directory_bytes, directory_checksum }.to_bytes())?;
+    file.commit()?;
+
+    let narrow = cells.block_ids.iter().filter(|ids| ids.base != crate::columns::BlockIds::WIDE).count();
+    Ok(Written {
+        cells: directory.cells,
+        vertices: directory.vertices,
+        file_bytes,
+        narrow_blocks: (narrow as u64, cells.block_ids.len() as u64),
+        counts: directory.counts,
+    })
+}
+
+fn write_positions(
+    source: &dyn TetSource,
+    placement: &crate::columns::Placement,
+    file_from_vertex: &[u32],
+    sink: &mut Sink,
+) -> Result<Span> {
+    let mut column = sink.column(Some(file_from_vertex.len() as u64 * 12));
+    for some in file_from_vertex.chunks(VERTICES_AT_ONCE) {
+        let position = |&point: &u32| placement.position(source.points().get(point as usize)).to_array();
+        let positions: Vec<[f32; 3]> = some.iter().map(position).collect();
+        sink.append(&mut column, bytemuck::cast_slice(&positions))?;
+    }
+    sink.finish(column)
+}
+
+fn write_point_array(source: &dyn TetSource, array: usize, file_from_vertex: &[u32], sink: &mut Sink) -> Result<Span> {
+    let mut one = Vec::new();
+    source.append_values(array, &file_from_vertex[..1], &mut one);
+    let mut column = sink.column(Some((one.len() * file_from_vertex.len()) as u64));
+    for some in file_from_vertex.chunks(VERTICES_AT_ONCE) {
+        append_values(source, array, some, sink, &mut column)?;
+    }
+    sink.finish(column)
+}
+
+/// Reads the arrays back, in the order in which they now stand, and writes the ranges of their blocks.
+fn write_ranges(
+    arrays: &mut [ArrayEntry],
+    cells: &WrittenCells,
+    cell_count: usize,
+    path: &Path,
+    sink: &mut Sink,
+    tell: Tell,
+) -> Result<()> {
+    let (bytes, _) = bytes_of(path, sink.written()?, true)?;
+    let column = |span: Span| (Arc::clone(&bytes), span.offset as usize, span.bytes as usize);
+    let tets = {
+        let (bytes, offset, len): (SharedBytes, _, _) = column(cells.tetrahedra);
+        let wide = Column::shared("tetrahedra", Arc::clone(&bytes), offset, len / 16)?;
+        let narrow = Column::shared("tetrahedra", bytes, offset, len / 8)?;
+        Tets::blocked(wide, narrow, cells.block_ids.clone().into(), cell_count, cells.file_from_vertex.len())?
+    };
+    let count = arrays.len() as u64;
+    for (i, array) in arrays.iter_mut().enumerate() {
+        let tuples = if array.association == Association::Point { cells.file_from_vertex.len() } else { cell_count };
+        let (bytes, offset, _) = column(array.values);
+        let len = tuples * array.components as usize;
+        let Some(values) = NumericColumn::shared(&array.number_type, &array.name, bytes, offset, len)? else {
+            continue;
+        };
+        for ranges in ranges::of_array(&tets, &values, array.association, array.components as usize) {
+            let block_ranges = sink.whole(bytemuck::cast_slice(&ranges.blocks))?;
+            let (range, invalid_cells) = (ranges.range, ranges.invalid_cells);
+            array.ranges.push(RangeEntry { range, invalid_cells, block_ranges });
+        }
+        tell(Phase::Ranges, i as u64 + 1, count);
+    }
+    Ok(())
+}
