@@ -1,6 +1,8 @@
 //! The program, run as a user runs it: pictures, figures, messages, exit codes.
 
 mod common;
+#[path = "cli/container.rs"]
+mod container;
 #[path = "cli/errors.rs"]
 mod errors;
 #[path = "cli/other_verbs.rs"]

@@ -18,3 +18,6 @@ pub use check::check;
 pub use directory::MAGIC;
 pub use read::{is_container, open};
 pub use write::{Phase, WriteOptions, Written, write};
+
+#[cfg(test)]
+mod tests;
