@@ -289,7 +289,7 @@ fn bench_footprints(criterion: &mut Criterion) {
     let sum = stage();
     group.bench_function("planes", |b| b.iter(&mut stage));
     let nearest = |tet: &[u32; 4]| tet.iter().fold(f32::INFINITY, |w, &v| w.min(seen.screen[v as usize].depth));
-    let expected: f64 = dataset.tets.iter().map(|tet| 1.0 / f64::from(nearest(tet))).sum();
+    let expected: f64 = dataset.tets.iter().map(|tet| 1.0 / f64::from(nearest(&tet))).sum();
     assert!((sum / expected - 1.0).abs() < 1e-5, "{sum} is not {expected}");
 }
 

@@ -132,6 +132,7 @@ impl Dataset {
             file_from_cell: Some(file_from_cell.into()),
             arrays,
             array_ranges: Vec::new(),
+            adjacency: None,
             blocks,
             bounds,
             counts,

@@ -122,6 +122,8 @@ pub struct Dataset {
     pub arrays: Vec<Array>,
     /// What is known of the values of each array, where a container says it; else empty.
     pub array_ranges: Vec<ArrayRanges>,
+    /// The cell across the face opposite to each vertex of each cell, `u32::MAX` where there is none; where a container has it.
+    pub adjacency: Option<Column<[u32; 4]>>,
     /// The cells in runs of [`Dataset::BLOCK_CELLS`], in order.
     pub blocks: Vec<Block>,
     /// The box around all cells.

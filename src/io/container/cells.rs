@@ -27,7 +27,8 @@ pub(super) struct Ordered<'a> {
     pub(super) placement: Placement,
     pub(super) counts: CellCounts,
     pub(super) cells: usize,
-    sorted: Sorted<'a>,
+    /// Key in two words, tetrahedron.
+    sorted: Sorted<'a, 3>,
 }
 
 /// Checks the tetrahedra of `source` and puts those with a volume in order.
@@ -53,7 +54,7 @@ pub(super) fn order<'a>(source: &dyn TetSource, path: &'a Path, memory_bytes: u6
         cells += kept;
         counts.degenerate += (keyed.len() - kept) as u64;
         counts.inverted += with_volume.clone().filter(|(_, _, is_inverted)| *is_inverted).count() as u64;
-        sort.push(with_volume.map(|&(key, tet, _)| (key, tet)))?;
+        sort.push(with_volume.map(|&(key, tet, _)| [(key >> 32) as u32, key as u32, tet]))?;
         first = end;
         tell(Phase::Order, first as u64, source.tets() as u64);
     }
@@ -131,10 +132,13 @@ pub(super) fn write(
     let (mut block_ids, mut block_bounds) = (Vec::new(), Vec::new());
     let mut tets = Vec::new();
     let mut done = 0;
-    while {
-        ordered.sorted.next_cells(CELLS_AT_ONCE, &mut tets)?;
-        !tets.is_empty()
-    } {
+    while done < cells {
+        tets.clear();
+        while tets.len() < CELLS_AT_ONCE
+            && let Some([_, _, tet]) = ordered.sorted.next()?
+        {
+            tets.push(tet);
+        }
         let corners: Vec<[u32; 4]> = tets.par_iter().map(|&tet| source.tet(tet as usize)).collect();
         for &point in corners.as_flattened() {
             let vertex = &mut vertex_from_file[point as usize];
@@ -208,7 +212,7 @@ impl EncodedBlock {
         }
         let ids = numbered.as_flattened();
         let (least, greatest) = ids.iter().fold((u32::MAX, 0), |(low, high), &id| (id.min(low), id.max(high)));
-        let is_narrow = greatest - least <= u32::from(u16::MAX);
+        let is_narrow = u16::try_from(greatest - least).is_ok();
         let mut bytes: Vec<u8> = if is_narrow {
             ids.iter().flat_map(|&id| ((id - least) as u16).to_le_bytes()).collect()
         } else {

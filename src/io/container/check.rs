@@ -7,7 +7,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 use twox_hash::XxHash3_64;
 
-use super::directory::{Directory, Span};
+use super::directory::{ColumnSpan, Directory};
 use super::read::open;
 use crate::columns::{Dataset, orientation_of};
 use crate::error::{Error, Result};
@@ -23,7 +23,7 @@ pub struct Checked {
 }
 
 /// Reads the whole container: checksums, vertex numbers (ascending, in range), positions (finite, within their block's
-/// box), orientation bits, order of the blocks.
+/// box), orientation bits, neighbours.
 ///
 /// # Errors
 /// [`Error::Malformed`] with the first column, block or cell that is wrong.
@@ -34,7 +34,7 @@ pub fn check(path: &Path, use_map: bool) -> Result<Checked> {
     let directory = Directory::read(bytes, path)?;
     let malformed = |place: String, problem: String| Error::Malformed { path: path.to_owned(), place, problem };
     let spans = directory.spans().map_err(|(place, problem)| malformed(place, problem))?;
-    let is_wrong = |(_, span, _): &&(String, Span, Option<u64>)| {
+    let is_wrong = |(_, span, _): &&ColumnSpan| {
         XxHash3_64::oneshot(&bytes[span.offset as usize..][..span.bytes as usize]) != span.xxh3
     };
     if let Some((name, _, _)) = spans.par_iter().find_first(is_wrong) {
@@ -46,13 +46,11 @@ pub fn check(path: &Path, use_map: bool) -> Result<Checked> {
         return Err(malformed("column positions".to_owned(), format!("vertex {vertex} is not at a finite place")));
     }
     let problem = (0..dataset.blocks.len()).into_par_iter().find_map_first(|block| problem_of(&dataset, block));
-    match problem {
-        Some((cell, problem)) => Err(malformed(format!("cell {cell}"), problem.to_owned())),
-        None => {
-            let bytes = spans.iter().map(|(_, span, _)| span.bytes).sum();
-            Ok(Checked { columns: spans.len() as u64, bytes })
-        }
+    if let Some((cell, problem)) = problem {
+        return Err(malformed(format!("cell {cell}"), problem.to_owned()));
     }
+    let bytes = spans.iter().map(|(_, span, _)| span.bytes).sum();
+    Ok(Checked { columns: spans.len() as u64, bytes })
 }
 
 /// The first cell of a block that is not as it must be.
@@ -71,7 +69,11 @@ fn problem_of(dataset: &Dataset, block: usize) -> Option<(usize, &'static str)> 
         if sign == 0 || (sign > 0) != view.is_positive(cell as u32) {
             return Some((cell, "its orientation bit is wrong"));
         }
-        None
+        let Some(adjacency) = &dataset.adjacency else { return None };
+        let cell = view.base + cell;
+        let is_mutual = |other: u32| adjacency.get(other as usize).is_some_and(|back| back.contains(&(cell as u32)));
+        let is_wrong = adjacency[cell].iter().any(|&other| other != u32::MAX && !is_mutual(other));
+        is_wrong.then_some((cell - view.base, "it has a neighbour whose neighbour it is not"))
     };
     view.tets.iter().enumerate().find_map(wrong).map(|(cell, problem)| (view.base + cell, problem))
 }

@@ -84,6 +84,9 @@ mod hexadecimal {
     }
 }
 
+/// A column: its name, where it is, and the length it must have, where that is known.
+pub(super) type ColumnSpan = (String, Span, Option<u64>);
+
 /// What the columns are, as JSON in the file.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Directory {
@@ -98,6 +101,8 @@ pub(super) struct Directory {
     pub(super) tetrahedra: Span,
     pub(super) block_ids: Span,
     pub(super) block_bounds: Span,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) adjacency: Option<Span>,
     pub(super) arrays: Vec<ArrayEntry>,
 }
 
@@ -188,8 +193,8 @@ impl Directory {
         Ok(())
     }
 
-    /// Every column: its name, where it is, and the length it must have, where that is known.
-    pub(super) fn spans(&self) -> std::result::Result<Vec<(String, Span, Option<u64>)>, (String, String)> {
+    /// Every column.
+    pub(super) fn spans(&self) -> std::result::Result<Vec<ColumnSpan>, (String, String)> {
         let blocks = self.cells.div_ceil(self.cells_per_block);
         let mut spans = vec![
             ("positions".to_owned(), self.positions, Some(self.vertices * 12)),
@@ -198,6 +203,9 @@ impl Directory {
             ("block_ids".to_owned(), self.block_ids, Some(blocks * 8)),
             ("block_bounds".to_owned(), self.block_bounds, Some(blocks * 24)),
         ];
+        if let Some(adjacency) = self.adjacency {
+            spans.push(("adjacency".to_owned(), adjacency, Some(self.cells * 16)));
+        }
         for array in &self.arrays {
             let wrong = |problem: &str| (format!("array {:?}", array.name), problem.to_owned());
             let size = size_of_number(&array.number_type).ok_or_else(|| wrong("numbers of an unknown type"))?;

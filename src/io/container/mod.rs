@@ -2,8 +2,9 @@
 //!
 //! In: a path ([`open`]), or tetrahedra to write ([`write`], in bounded memory). Out: a [`Dataset`](crate::Dataset), or a file.
 //! `directory` names the columns, `read` opens, `write` lays them out (`cells` in order, by `external_sort`; `ranges` of
-//! values), `check` reads everything. To add a column: its entry in `directory`, its writer, and its check.
+//! values, `adjacency` on request), `check` reads everything. To add a column: its entry in `directory`, its writer, and its check.
 
+mod adjacency;
 mod cells;
 mod check;
 mod directory;

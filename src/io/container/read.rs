@@ -106,6 +106,7 @@ pub fn open(path: &Path, use_map: bool) -> Result<Dataset> {
         file_from_cell: None,
         arrays,
         array_ranges,
+        adjacency: directory.adjacency.map(|span| columns.of("adjacency", span)).transpose()?,
         blocks,
         bounds,
         counts: directory.counts,

@@ -24,7 +24,7 @@ impl Folder {
     /// Writes `source` with `memory_bytes` and opens it.
     fn container(&self, source: &dyn TetSource, memory_bytes: u64) -> Dataset {
         let path = self.path("mesh.cells");
-        write(source, &path, &WriteOptions { memory_bytes }, &|_, _, _| {}).unwrap();
+        write(source, &path, &WriteOptions { memory_bytes, ..WriteOptions::default() }, &|_, _, _| {}).unwrap();
         open(&path, true).unwrap()
     }
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use twox_hash::XxHash3_64;
 
+use super::adjacency;
 use super::cells::{self, Tell, WrittenCells, append_values};
 use super::directory::{ArrayEntry, Directory, Header, RangeEntry, Span};
 use super::ranges;
@@ -17,13 +18,15 @@ use crate::io::mapping::bytes_of;
 /// What to write a container with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WriteOptions {
-    /// Memory to keep to, beside the source's points and 12 bytes a point; the sort gets at least a sixteenth of a gibibyte.
+    /// Memory to keep to, beside the source's points; the sort gets at least 256 KiB.
     pub memory_bytes: u64,
+    /// Also write which cells share a face: 16 bytes a cell.
+    pub adjacency: bool,
 }
 
 impl Default for WriteOptions {
     fn default() -> Self {
-        Self { memory_bytes: 1 << 30 }
+        Self { memory_bytes: 1 << 30, adjacency: false }
     }
 }
 
@@ -36,6 +39,8 @@ pub enum Phase {
     Cells,
     /// Writing the vertices and their arrays.
     Vertices,
+    /// Finding which cells share a face.
+    Neighbours,
     /// Finding the ranges of the arrays.
     Ranges,
 }
@@ -80,7 +85,7 @@ const VERTICES_AT_ONCE: usize = 1 << 18;
 pub fn write(source: &dyn TetSource, path: &Path, options: &WriteOptions, tell: Tell) -> Result<Written> {
     let points = source.points();
     let fixed_bytes = points.len() as u64 * 12;
-    let sort_bytes = options.memory_bytes.saturating_sub(fixed_bytes).max(1 << 26);
+    let sort_bytes = options.memory_bytes.saturating_sub(fixed_bytes).max(1 << 18);
     let mut file = AtomicFile::create(path)?;
     let mut ordered = cells::order(source, path, sort_bytes, tell)?;
 
@@ -107,7 +112,10 @@ pub fn write(source: &dyn TetSource, path: &Path, options: &WriteOptions, tell: 
     }
     let block_ids = sink.whole(bytemuck::cast_slice(&cells.block_ids))?;
     let block_bounds = sink.whole(bytemuck::cast_slice(&cells.block_bounds))?;
-    write_ranges(&mut arrays, &cells, ordered.cells, path, &mut sink, tell)?;
+    let so_far = SoFar::new(&cells, ordered.cells, path, &mut sink)?;
+    let adjacency =
+        options.adjacency.then(|| adjacency::write(&so_far.tets, path, sort_bytes, &mut sink, tell)).transpose()?;
+    so_far.write_ranges(&mut arrays, &mut sink, tell)?;
 
     let directory = Directory {
         cell_kind: "tetrahedron".to_owned(),
@@ -121,6 +129,7 @@ pub fn write(source: &dyn TetSource, path: &Path, options: &WriteOptions, tell: 
         tetrahedra: cells.tetrahedra,
         block_ids,
         block_bounds,
+        adjacency,
         arrays,
     };
     let encode = |error: serde_json::Error| Error::Io { path: path.to_owned(), source: error.into() };
@@ -166,37 +175,40 @@ fn write_point_array(source: &dyn TetSource, array: usize, file_from_vertex: &[u
     sink.finish(column)
 }
 
-/// Reads the arrays back, in the order in which they now stand, and writes the ranges of their blocks.
-fn write_ranges(
-    arrays: &mut [ArrayEntry],
-    cells: &WrittenCells,
-    cell_count: usize,
-    path: &Path,
-    sink: &mut Sink,
-    tell: Tell,
-) -> Result<()> {
-    let (bytes, _) = bytes_of(path, sink.written()?, true)?;
-    let column = |span: Span| (Arc::clone(&bytes), span.offset as usize, span.bytes as usize);
-    let tets = {
-        let (bytes, offset, len): (SharedBytes, _, _) = column(cells.tetrahedra);
-        let wide = Column::shared("tetrahedra", Arc::clone(&bytes), offset, len / 16)?;
-        let narrow = Column::shared("tetrahedra", bytes, offset, len / 8)?;
-        Tets::blocked(wide, narrow, cells.block_ids.clone().into(), cell_count, cells.file_from_vertex.len())?
-    };
-    let count = arrays.len() as u64;
-    for (i, array) in arrays.iter_mut().enumerate() {
-        let tuples = if array.association == Association::Point { cells.file_from_vertex.len() } else { cell_count };
-        let (bytes, offset, _) = column(array.values);
-        let len = tuples * array.components as usize;
-        let Some(values) = NumericColumn::shared(&array.number_type, &array.name, bytes, offset, len)? else {
-            continue;
-        };
-        for ranges in ranges::of_array(&tets, &values, array.association, array.components as usize) {
-            let block_ranges = sink.whole(bytemuck::cast_slice(&ranges.blocks))?;
-            let (range, invalid_cells) = (ranges.range, ranges.invalid_cells);
-            array.ranges.push(RangeEntry { range, invalid_cells, block_ranges });
-        }
-        tell(Phase::Ranges, i as u64 + 1, count);
+/// The file so far, read back: cells and arrays in the order in which they now stand.
+struct SoFar {
+    bytes: SharedBytes,
+    tets: Tets,
+    vertices: usize,
+}
+
+impl SoFar {
+    fn new(written: &WrittenCells, cells: usize, path: &Path, sink: &mut Sink) -> Result<Self> {
+        let (bytes, _) = bytes_of(path, sink.written()?, true)?;
+        let Span { offset, bytes: len, .. } = written.tetrahedra;
+        let wide = Column::shared("tetrahedra", Arc::clone(&bytes), offset as usize, len as usize / 16)?;
+        let narrow = Column::shared("tetrahedra", Arc::clone(&bytes), offset as usize, len as usize / 8)?;
+        let vertices = written.file_from_vertex.len();
+        let tets = Tets::blocked(wide, narrow, written.block_ids.clone().into(), cells, vertices)?;
+        Ok(Self { bytes, tets, vertices })
     }
-    Ok(())
+
+    /// Writes the ranges of the arrays' blocks.
+    fn write_ranges(&self, arrays: &mut [ArrayEntry], sink: &mut Sink, tell: Tell) -> Result<()> {
+        let count = arrays.len() as u64;
+        for (i, array) in arrays.iter_mut().enumerate() {
+            let tuples = if array.association == Association::Point { self.vertices } else { self.tets.len() };
+            let (components, offset) = (array.components as usize, array.values.offset as usize);
+            let bytes = Arc::clone(&self.bytes);
+            let values = NumericColumn::shared(&array.number_type, &array.name, bytes, offset, tuples * components)?;
+            let Some(values) = values else { continue };
+            for ranges in ranges::of_array(&self.tets, &values, array.association, components) {
+                let block_ranges = sink.whole(bytemuck::cast_slice(&ranges.blocks))?;
+                let (range, invalid_cells) = (ranges.range, ranges.invalid_cells);
+                array.ranges.push(RangeEntry { range, invalid_cells, block_ranges });
+            }
+            tell(Phase::Ranges, i as u64 + 1, count);
+        }
+        Ok(())
+    }
 }
