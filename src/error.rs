@@ -4,6 +4,31 @@
 
 use std::path::PathBuf;
 
+/// Most characters of a sentence about a file: it may quote what the file holds, which may be long.
+const LONGEST_PROBLEM: usize = 600;
+
+/// Most names that a message lists.
+const MOST_NAMES: usize = 50;
+
+/// A sentence about input, without its middle where it is too long for a message.
+pub(crate) fn shorten(problem: String) -> String {
+    let half = LONGEST_PROBLEM / 2;
+    // In bytes first: most messages are not even counted.
+    if problem.len() <= LONGEST_PROBLEM || problem.chars().count() <= LONGEST_PROBLEM {
+        return problem;
+    }
+    let start: String = problem.chars().take(half).collect();
+    let end: Vec<char> = problem.chars().rev().take(half).collect();
+    start + " … " + &end.into_iter().rev().collect::<String>()
+}
+
+/// Names that can be chosen from, each and all of bearable length.
+fn list(names: &[String]) -> String {
+    let shown: Vec<String> = names.iter().take(MOST_NAMES).map(|name| name.chars().take(80).collect()).collect();
+    let more = names.len().saturating_sub(MOST_NAMES);
+    shown.join(", ") + &if more > 0 { format!(" and {more} more") } else { String::new() }
+}
+
 /// A result with cellfan's [`Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
@@ -111,7 +136,7 @@ pub enum Error {
     #[error("there is no array {name:?}; {}", if available.is_empty() {
         "the mesh has no arrays: leave --array out to draw it homogeneous".to_owned()
     } else {
-        format!("choose one of: {}", available.join(", "))
+        format!("choose one of: {}", list(available))
     })]
     UnknownArray {
         /// The name given.

@@ -16,7 +16,7 @@ use self::cursor::Cursor;
 use super::UnstructuredMesh;
 use super::numbers::{points_from, whole_numbers};
 use super::source::{Source, quote};
-use crate::error::{Error, Result};
+use crate::error::Result;
 
 /// Reads a legacy `.vtk` file that is in memory; `path` is its name in messages.
 ///
@@ -95,11 +95,10 @@ fn read_head(cursor: &mut Cursor<'_>) -> Result<()> {
             cursor.end_line();
             Ok(())
         }
-        Some(other) => Err(Error::Unsupported {
-            path: source.path.to_owned(),
-            what: format!("a VTK legacy file with DATASET {other}"),
-            advice: "convert it to an unstructured grid (.vtu)".to_owned(),
-        }),
+        Some(other) => {
+            let what = format!("a VTK legacy file with DATASET {other}");
+            Err(source.unsupported(what, "convert it to an unstructured grid (.vtu)"))
+        }
         None => Err(source.malformed("line 4", "names no dataset: the file is truncated")),
     }
 }

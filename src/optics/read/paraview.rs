@@ -12,7 +12,8 @@ use crate::error::Result;
 use crate::optics::color::{Path, between_srgb, linear_from_srgb};
 use crate::optics::presets::OpacityProfile;
 use crate::optics::transfer::{
-    ControlPoint, TransferFunction, check_opacity, check_range, check_unit_distance, extinction_from_opacity, problem,
+    ControlPoint, TransferFunction, check_opacity, check_range, check_unit_distance, extinction_from_opacity, fraction,
+    problem,
 };
 
 /// Samples between two points of the file, before thinning.
@@ -145,8 +146,7 @@ fn rows(numbers: &[f64], name: &str) -> Result<Rows, String> {
         return Err(format!("values in {name} do not ascend"));
     }
     let (first, last) = (rows[0][0], rows[rows.len() - 1][0]);
-    // Halved, so that the widest range does not overflow.
-    let place = |value: f64| if last > first { (0.5 * value - 0.5 * first) / (0.5 * last - 0.5 * first) } else { 0.0 };
+    let place = |value: f64| if last > first { fraction(value, first, last) } else { 0.0 };
     Ok(rows.iter().map(|row| [place(row[0]), row[1], row[2], row[3]]).collect())
 }
 
