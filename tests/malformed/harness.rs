@@ -47,19 +47,19 @@ pub(crate) struct Ran {
     /// Whether the reader took it; the error where not.
     pub(crate) read: Result<(), String>,
     /// Most bytes held.
-    peak: usize,
+    pub(crate) peak: usize,
     duration: Duration,
     /// What the reader may not do and did.
     pub(crate) failure: Option<String>,
 }
 
-/// Reads `input` as the harness does, for a test of its own.
-pub(crate) fn run_alone(target: &'static Target, input: &[u8]) -> Ran {
-    let _one = lock(&ONE_AT_A_TIME);
-    run(target, input)
+/// Held by each test from its beginning: what the others allocate would be counted.
+pub(crate) fn alone() -> MutexGuard<'static, ()> {
+    lock(&ONE_AT_A_TIME)
 }
 
-fn run(target: &'static Target, input: &[u8]) -> Ran {
+/// Reads `input` and says what that took; the caller is [`alone`].
+pub(crate) fn run(target: &'static Target, input: &[u8]) -> Ran {
     WATCHERS.call_once(watch);
     let start = Instant::now();
     let limit = Duration::from_millis(target.limits.millis);
@@ -87,7 +87,7 @@ const LONGEST_MESSAGE: usize = 4096;
 
 /// Mutations of the reader's seeds until the time is up; what failed, one line each.
 pub(crate) fn fuzz(target: &'static Target, time: Duration, seed: u64) -> Vec<String> {
-    let _one = lock(&ONE_AT_A_TIME);
+    let _alone = alone();
     let seeds = (target.seeds)();
     let mut failures = Vec::new();
     for (i, file) in seeds.iter().enumerate() {

@@ -17,7 +17,7 @@ mod targets;
 use std::time::Duration;
 
 /// How long `cargo test` spends on each reader.
-const SHORT: Duration = Duration::from_millis(700);
+const SHORT: Duration = Duration::from_millis(500);
 
 #[test]
 fn every_reader_survives_mutations() {

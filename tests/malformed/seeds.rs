@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 
 use crate::common::data_folder;
 
-pub(crate) use vtu::{Style, write as write_vtu};
+pub(crate) use vtu::{Style, write_zeros};
 
 /// Files in memory.
 pub(crate) type Seeds = Vec<Vec<u8>>;

@@ -57,10 +57,8 @@ pub fn read_vtk(bytes: &[u8], path: &Path) -> Result<UnstructuredMesh> {
         let problem = format!("names {} cells where CELLS has {}: damaged or truncated", types.len(), cells.count());
         return Err(source.malformed("CELL_TYPES", problem));
     }
-    mesh.types = match whole_numbers(&types.into(), 255) {
-        Ok(types) => types.into_iter().map(|code| code as u8).collect(),
-        Err((cell, code)) => return Err(source.malformed("CELL_TYPES", format!("cell {cell} has type {code}"))),
-    };
+    mesh.types = whole_numbers(&types.into(), 255)
+        .map_err(|(cell, code)| source.malformed("CELL_TYPES", format!("cell {cell} has type {code}")))?;
     (mesh.offsets, mesh.connectivity) = cells.into_columns(mesh.points.len() as u64, source)?;
     mesh.arrays = attributes.into_arrays(mesh.points.len(), mesh.types.len(), source)?;
     Ok(mesh)

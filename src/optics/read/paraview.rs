@@ -19,6 +19,9 @@ use crate::optics::transfer::{
 /// Samples between two points of the file, before thinning.
 const SAMPLES: usize = 16;
 
+/// Points of the largest map: each becomes tens of samples, of which memory holds two sides.
+const MOST_ROWS: usize = 4096;
+
 #[derive(Deserialize)]
 #[serde(rename_all = "PascalCase")]
 struct ColorMapFile {
@@ -141,6 +144,9 @@ fn rows(numbers: &[f64], name: &str) -> Result<Rows, String> {
     let (rows, rest) = numbers.as_chunks::<4>();
     if rows.is_empty() || !rest.is_empty() {
         return Err(format!("{name} has {} numbers; it needs four a point", numbers.len()));
+    }
+    if rows.len() > MOST_ROWS {
+        return Err(format!("{name} has {} points; at most {MOST_ROWS} are read", rows.len()));
     }
     if !rows.is_sorted_by(|a, b| a[0] <= b[0]) {
         return Err(format!("values in {name} do not ascend"));

@@ -73,6 +73,31 @@ pub(crate) fn write(style: Style) -> Vec<u8> {
     bytes
 }
 
+/// Nothing but points, all of them 0: `bytes` of them, in blocks of `block`.
+pub(crate) fn write_zeros(style: Style, bytes: usize, block: usize) -> Vec<u8> {
+    let (header, data) = style.parts(&vec![0; bytes], block);
+    let header_type = if style.wide { "UInt64" } else { "UInt32" };
+    let compressor = style.compressor.unwrap_or_default();
+    let array = "<DataArray type='Float32' NumberOfComponents='3'";
+    let (array, appended) = match style.place {
+        "inline" => {
+            let base64 = STANDARD.encode(&header) + &STANDARD.encode(&data);
+            (format!("{array} format='binary'>{base64}</DataArray>"), Vec::new())
+        }
+        _ => (
+            format!("{array} format='appended' offset='0'/>"),
+            [&b"<AppendedData encoding='raw'>_"[..], &header, &data].concat(),
+        ),
+    };
+    let head = format!(
+        "<VTKFile type='UnstructuredGrid' header_type='{header_type}' compressor='{compressor}'><UnstructuredGrid>\
+         <Piece NumberOfPoints='{}'><Points>{array}</Points></Piece></UnstructuredGrid>",
+        bytes / 12
+    );
+    let end = if appended.is_empty() { "</VTKFile>" } else { "</AppendedData></VTKFile>" };
+    [head.into_bytes(), appended, end.as_bytes().to_vec()].concat()
+}
+
 struct File {
     style: Style,
     appended: Vec<u8>,
