@@ -29,6 +29,10 @@ fn list(names: &[String]) -> String {
     shown.join(", ") + &if more > 0 { format!(" and {more} more") } else { String::new() }
 }
 
+fn gibibytes(bytes: u64) -> String {
+    format!("{:.1} GiB", bytes as f64 / f64::from(1 << 30))
+}
+
 /// A result with cellfan's [`Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
@@ -123,6 +127,21 @@ pub enum Error {
         len: u64,
         /// The largest length supported.
         limit: u64,
+    },
+
+    /// What was asked for needs more memory than there is.
+    #[error(
+        "{what} takes {} of memory{}; ask for less",
+        gibibytes(*bytes),
+        free.map_or(", which the system refuses".to_owned(), |free| format!(", and {} are free", gibibytes(free)))
+    )]
+    OutOfMemory {
+        /// What needs it.
+        what: String,
+        /// How much it needs at once.
+        bytes: u64,
+        /// How much is free, where that is known.
+        free: Option<u64>,
     },
 
     /// Nothing is left to draw.
