@@ -18,7 +18,7 @@ use crate::targets::Target;
 const ENOUGH: usize = 20;
 
 /// A reader that has not come back after this many of its limits never will.
-const PATIENCE: u32 = 4;
+const PATIENCE: u32 = 10;
 
 /// Only one reader runs at a time: memory is counted for the whole program.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
@@ -60,6 +60,13 @@ pub(crate) fn alone() -> MutexGuard<'static, ()> {
 
 /// Reads `input` and says what that took; the caller is [`alone`].
 pub(crate) fn run(target: &'static Target, input: &[u8]) -> Ran {
+    let limit = Duration::from_millis(target.limits.millis);
+    let ran = run_once(target, input);
+    // A machine with other work to do stops anything now and then; a slow reader is slow again.
+    if ran.duration > limit { run_once(target, input) } else { ran }
+}
+
+fn run_once(target: &'static Target, input: &[u8]) -> Ran {
     WATCHERS.call_once(watch);
     let start = Instant::now();
     let limit = Duration::from_millis(target.limits.millis);
@@ -162,7 +169,9 @@ fn watch() {
         if lock(&CURRENT).is_none() {
             return before(info);
         }
-        let message = info.payload_as_str().unwrap_or("without a message");
+        let payload = info.payload();
+        let text = payload.downcast_ref::<&str>().copied();
+        let message = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str)).unwrap_or_default();
         *lock(&PANIC) = info.location().map_or(String::new(), |at| format!("at {at}: ")) + message;
     }));
     std::thread::spawn(|| {

@@ -163,7 +163,7 @@ pub(crate) fn pieces() -> &'static Path {
 }
 
 pub(crate) fn pvtu_of(pieces: &[&str]) -> Vec<u8> {
-    let pieces: String = pieces.iter().map(|piece| format!("<Piece Source='{piece}'/>\n")).collect();
+    let pieces = pieces.iter().map(|piece| format!("<Piece Source='{piece}'/>\n")).collect::<Vec<_>>().concat();
     format!(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"PUnstructuredGrid\" version=\"0.1\">\n<PUnstructuredGrid GhostLevel=\"0\">\n\
          <PPoints>\n<PDataArray type=\"Float32\" NumberOfComponents=\"3\"/></PPoints>\n{pieces}</PUnstructuredGrid>\n</VTKFile>\n"
@@ -213,7 +213,10 @@ pub(crate) fn transfer_json() -> Seeds {
 }
 
 pub(crate) fn transfer_csv() -> Seeds {
-    let many: String = (0..150).map(|i| format!("{i}\t{}\t0.5\t1\t{}\n", f64::from(i) / 150.0, i * i % 7)).collect();
+    let many = (0..150)
+        .map(|i| format!("{i}\t{}\t0.5\t1\t{}\n", f64::from(i) / 150.0, i * i % 7))
+        .collect::<Vec<_>>()
+        .concat();
     bytes(["# fog\nvalue,r,g,b,extinction\n0, 1, 1, 1, 0 # low\n2; 1; 1; 1; 4\n2 0 0 0 8\n", "0 1 1 1 1\n", &many])
 }
 
