@@ -68,9 +68,9 @@ impl Settings {
             let problem = format!("{} is not between 0 and {MAX_JITTER} spacings", self.jitter);
             return Err(Error::Option { option: "--jitter", problem });
         }
-        // More than 32 bits can number are refused as that.
-        let cells = self.cells.min(LIMIT);
-        memory::check(|| format!("a mesh of {} cells", self.cells), cells.checked_mul(BYTES_PER_CELL))
+        // More than 32 bits can number are refused as that, once the kind of mesh says how many there will be.
+        let cells = if self.cells <= LIMIT { self.cells } else { 0 };
+        memory::check(|| format!("a mesh of {cells} cells"), cells.checked_mul(BYTES_PER_CELL))
     }
 }
 

@@ -48,7 +48,7 @@ pub(crate) struct Ran {
     pub(crate) read: Result<(), String>,
     /// Most bytes held.
     pub(crate) peak: usize,
-    duration: Duration,
+    pub(crate) duration: Duration,
     /// What the reader may not do and did.
     pub(crate) failure: Option<String>,
 }

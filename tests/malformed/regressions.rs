@@ -9,6 +9,11 @@ use crate::targets::named;
 fn ran(reader: &str, input: impl AsRef<[u8]>) -> Ran {
     let ran = harness::run(named(reader), input.as_ref());
     assert_eq!(ran.failure, None, "{reader}");
+    let len = input.as_ref().len();
+    if len > 1 << 16 {
+        let times = ran.peak as f64 / len as f64;
+        println!("{reader}: {} KiB: {times:.1} times in {:.0} ms", len >> 10, ran.duration.as_secs_f64() * 1e3);
+    }
     ran
 }
 
@@ -112,6 +117,15 @@ fn bombs_are_refused_before_they_expand() {
 }
 
 #[test]
+fn blocks_of_a_byte_take_no_time() {
+    let _alone = alone();
+    for compressor in ["vtkZLibDataCompressor", "vtkLZ4DataCompressor", "vtkLZMADataCompressor"] {
+        let style = Style { place: "raw", compressor: Some(compressor), wide: false };
+        assert_eq!(ran("vtu", seeds::write_zeros(style, 12_000, 1)).read, Ok(()), "{compressor}");
+    }
+}
+
+#[test]
 fn counts_that_lie_are_refused() {
     let _alone = alone();
     for huge in ["18446744073709551615", "9223372036854775807", "6148914691236517206", "4294967296", "1000000000000"] {
@@ -186,6 +200,29 @@ fn dense_files_take_a_stated_multiple() {
         "12 ".repeat(n)
     ));
     assert_eq!(ran("vtu", &hexahedra).read, Ok(()));
+    let cell: Vec<u8> = (0..8).collect();
+    let offsets: Vec<u8> = (1..=n as u32).flat_map(|i| (8 * i).to_le_bytes()).collect();
+    let points = (0..8_u8).flat_map(|i| [i & 1, (i >> 1 ^ i) & 1, i >> 2]).collect();
+    let arrays = [
+        ("'Points'", "UInt8", points),
+        ("'types'", "UInt8", vec![12; n]),
+        ("'offsets'", "UInt32", offsets),
+        ("'connectivity'", "UInt8", cell.repeat(n)),
+    ];
+    let mut appended = Vec::new();
+    let arrays = arrays.map(|(name, kind, bytes): (_, _, Vec<u8>)| {
+        let array = format!("<DataArray Name={name} type='{kind}' format='appended' offset='{}'/>", appended.len());
+        appended.extend((bytes.len() as u32).to_le_bytes());
+        appended.extend(bytes);
+        array
+    });
+    let piece = format!(
+        "<Piece NumberOfPoints='8' NumberOfCells='{n}'><Points>{}</Points><Cells>{}</Cells></Piece>",
+        arrays[0],
+        arrays[1..].concat()
+    );
+    let raw = vtu(&piece).replace("</VTKFile>", "<AppendedData encoding='raw'>_");
+    assert_eq!(ran("vtu", [raw.as_bytes(), &appended].concat()).read, Ok(()));
     let legacy = vtk(&format!(
         "POINTS {n} float\n{zeros}\nCELLS {n} {}\n{}CELL_TYPES {n}\n{}\nPOINT_DATA {n}\nSCALARS a double\nLOOKUP_TABLE b\n{}",
         9 * n,

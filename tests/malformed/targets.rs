@@ -39,8 +39,8 @@ impl Limits {
 
 /// Two threads decode a block of LZMA each, which may take 80 MiB; all blocks together may expand to 64 MiB before
 /// their ratio counts (docs/robustness.md).
-const XML: Limits = Limits { times: 256, mebibytes: 64 + 2 * 81, millis: 2000 };
-const TEXT: Limits = Limits { times: 128, mebibytes: 1, millis: 1000 };
+const XML: Limits = Limits { times: 128, mebibytes: 64 + 2 * 81, millis: 2000 };
+const TEXT: Limits = Limits { times: 64, mebibytes: 1, millis: 1000 };
 /// A map of the most points is sampled at 70,000 places.
 const MAP: Limits = Limits { mebibytes: 48, ..TEXT };
 

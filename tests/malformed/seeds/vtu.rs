@@ -36,7 +36,14 @@ impl Style {
     /// The header of an array, and its bytes.
     pub(crate) fn parts(self, bytes: &[u8], block: usize) -> (Vec<u8>, Vec<u8>) {
         let Some(compressor) = self.compressor else { return (self.word(bytes.len()), bytes.to_vec()) };
-        let blocks: Vec<Vec<u8>> = bytes.chunks(block).map(|block| compress(compressor, block)).collect();
+        let mut blocks: Vec<Vec<u8>> = Vec::new();
+        let mut before = None;
+        for block in bytes.chunks(block) {
+            // Bombs repeat themselves, and LZMA takes its time.
+            let same = blocks.last().filter(|_| before == Some(block)).cloned();
+            blocks.push(same.unwrap_or_else(|| compress(compressor, block)));
+            before = Some(block);
+        }
         let sizes = [blocks.len(), block, bytes.len() % block].into_iter().chain(blocks.iter().map(Vec::len));
         (sizes.flat_map(|size| self.word(size)).collect(), blocks.concat())
     }
