@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result, shorten};
+use crate::error::{Error, Result, presentable};
 
 /// How rays leave the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -217,7 +217,7 @@ impl Camera {
     /// [`Error::Camera`] where the text is not such a camera, with the line, or the camera is not valid.
     pub fn from_json(text: &str) -> Result<Self> {
         let parsed: CameraJson =
-            serde_json::from_str(text).map_err(|error| Error::Camera { problem: shorten(error.to_string()) })?;
+            serde_json::from_str(text).map_err(|error| Error::Camera { problem: presentable(error.to_string()) })?;
         let projection = match (parsed.orthographic_height, parsed.fov) {
             (Some(height_world), _) => Projection::Orthographic { height_world },
             (None, fov) => Projection::Perspective { fov_degrees: fov.unwrap_or(Self::FOV_DEGREES) },

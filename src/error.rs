@@ -10,9 +10,11 @@ const LONGEST_PROBLEM: usize = 600;
 /// Most names that a message lists.
 const MOST_NAMES: usize = 50;
 
-/// A sentence about input, without its middle where it is too long for a message.
-pub(crate) fn shorten(problem: String) -> String {
+/// A sentence about input, as it can be shown: without characters that a terminal would obey, and without its middle where
+/// it is too long.
+pub(crate) fn presentable(problem: String) -> String {
     let half = LONGEST_PROBLEM / 2;
+    let problem = without_controls(problem);
     // In bytes first: most messages are not even counted.
     if problem.len() <= LONGEST_PROBLEM || problem.chars().count() <= LONGEST_PROBLEM {
         return problem;
@@ -20,6 +22,11 @@ pub(crate) fn shorten(problem: String) -> String {
     let start: String = problem.chars().take(half).collect();
     let end: Vec<char> = problem.chars().rev().take(half).collect();
     start + " … " + &end.into_iter().rev().collect::<String>()
+}
+
+/// `text` with a replacement character for each control character.
+pub(crate) fn without_controls(text: String) -> String {
+    if text.contains(char::is_control) { text.replace(char::is_control, "\u{fffd}") } else { text }
 }
 
 /// Names that can be chosen from, each and all of bearable length.

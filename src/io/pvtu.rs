@@ -29,7 +29,7 @@ pub fn read_pvtu(bytes: &[u8], path: &Path) -> Result<UnstructuredMesh> {
         let name =
             piece.attribute("Source").ok_or_else(|| source.malformed(piece.place(), "has no attribute \"Source\""))?;
         let bad = |what: &str| source.malformed(piece.place(), format!("Source={} {what}", quote(name.as_bytes())));
-        if name.len() > LONGEST_NAME || name.contains('\0') {
+        if name.len() > LONGEST_NAME || name.contains(char::is_control) {
             return Err(bad("is no name of a file"));
         }
         let piece_path = folder.join(name);

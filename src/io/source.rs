@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::error::{Error, shorten};
+use crate::error::{Error, presentable};
 
 /// The name under which errors are reported.
 #[derive(Clone, Copy, Debug)]
@@ -13,13 +13,13 @@ pub(super) struct Source<'a> {
 impl Source<'_> {
     /// The file breaks its format's rules at `place`.
     pub(super) fn malformed(self, place: impl Into<String>, problem: impl Into<String>) -> Error {
-        let (place, problem) = (shorten(place.into()), shorten(problem.into()));
+        let (place, problem) = (presentable(place.into()), presentable(problem.into()));
         Error::Malformed { path: self.path.to_owned(), place, problem }
     }
 
     /// The file holds something that is not read.
     pub(super) fn unsupported(self, what: impl Into<String>, advice: impl Into<String>) -> Error {
-        Error::Unsupported { path: self.path.to_owned(), what: shorten(what.into()), advice: advice.into() }
+        Error::Unsupported { path: self.path.to_owned(), what: presentable(what.into()), advice: advice.into() }
     }
 }
 

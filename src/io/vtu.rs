@@ -7,7 +7,7 @@ use super::source::Source;
 use super::vtk_xml::{self, Element, Encoding};
 use super::{MOST_ARRAYS, UnstructuredMesh, offsets};
 use crate::columns::{Array, Association, Points};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, without_controls};
 
 /// Reads a `.vtu` file that is in memory; `path` is its name in messages.
 ///
@@ -116,7 +116,7 @@ fn read_arrays(
 ) -> Result<Vec<Array>> {
     let mut arrays: Vec<Array> = Vec::new();
     for element in data.children_named("DataArray") {
-        let name = element.attribute("Name").unwrap_or("unnamed").to_owned();
+        let name = without_controls(element.attribute("Name").unwrap_or("unnamed").to_owned());
         if !vtk_xml::is_numeric(element) {
             tracing::debug!(name, "the array holds no numbers, left out");
             continue;

@@ -3,7 +3,7 @@
 //! Piecewise linear, right-continuous where two points at one value make a step, clamped outside. Colours are linear RGB.
 
 use super::thin_points::thin_points;
-use crate::error::{Error, Result, shorten};
+use crate::error::{Error, Result, presentable};
 
 /// Opacity is limited to this before it becomes an extinction: an opacity of 1 would be infinite.
 pub const OPACITY_LIMIT: f64 = 0.9999;
@@ -196,7 +196,7 @@ pub(super) fn check_opacity(opacity: f64) -> Result<()> {
 }
 
 pub(super) fn problem(problem: impl Into<String>) -> Error {
-    Error::TransferFunction { problem: shorten(problem.into()) }
+    Error::TransferFunction { problem: presentable(problem.into()) }
 }
 
 #[cfg(test)]

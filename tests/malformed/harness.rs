@@ -82,6 +82,10 @@ fn run_once(target: &'static Target, input: &[u8]) -> Ran {
             let problem = format!("has an error message of {} bytes", message.len());
             (Err(message), Some(problem))
         }
+        Ok(Err(message)) if message.contains(char::is_control) => {
+            let problem = format!("has control characters in its message {message:?}");
+            (Err(message), Some(problem))
+        }
         Ok(read) if peak > most => (read, Some(format!("held {peak} bytes, more than {most}"))),
         Ok(read) if duration > limit => (read, Some(format!("took {duration:?}, more than {limit:?}"))),
         Ok(read) => (read, None),

@@ -81,6 +81,25 @@ fn messages_are_short() {
 }
 
 #[test]
+fn nothing_that_a_terminal_obeys_is_said() {
+    let _alone = alone();
+    for reader in ["vtu", "pvtu", "vtk", "transfer-json", "transfer-csv", "paraview", "camera"] {
+        for text in
+            ["\u{1b}[2J", "<\u{1b}[2J\u{9b}>", "{\"\u{1b}[2J\": 1}", "[{\"RGBPoints\": [], \"Name\": \"\\u001b[2J\"}]"]
+        {
+            ran(reader, text);
+        }
+    }
+    ran("vtk", vtk("\u{1b}[2J 1 2"));
+    ran("vtk", vtk("POINT_DATA 0\nSCALARS %1b[2J int\n"));
+    ran(
+        "vtu",
+        vtu("<Piece NumberOfPoints='0'><PointData><DataArray type='Int8' Name='&#27;[2J'/></PointData></Piece>"),
+    );
+    refused("pvtu", seeds::pvtu_of(&["&#27;[2J.vtu"]), &["no name of a file"]);
+}
+
+#[test]
 fn pieces_do_not_lead_back() {
     let _alone = alone();
     refused("pvtu", seeds::pvtu_of(&["self.pvtu"]), &["self.pvtu", "PUnstructuredGrid"]);

@@ -96,6 +96,7 @@ fn check(dataset: &Dataset) {
     for array in &dataset.arrays {
         let tuples = array.values.len() / array.components;
         assert_eq!(tuples * array.components, array.values.len(), "array {:?}", array.name);
+        assert!(!array.name.contains(char::is_control), "array {:?}", array.name);
     }
 }
 
