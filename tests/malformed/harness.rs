@@ -93,8 +93,8 @@ fn run_once(target: &'static Target, input: &[u8]) -> Ran {
     Ran { read, peak, duration, failure }
 }
 
-/// A message is a line or two.
-const LONGEST_MESSAGE: usize = 4096;
+/// A message is a line or two, and the longest path that can be opened.
+const LONGEST_MESSAGE: usize = 8192;
 
 /// Mutations of the reader's seeds until the time is up; what failed, one line each.
 pub(crate) fn fuzz(target: &'static Target, time: Duration, seed: u64) -> Vec<String> {

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use cellfan::columns::Dataset;
 use cellfan::io::{self, UnstructuredMesh};
-use cellfan::{Camera, TransferFunction};
+use cellfan::optics::presets::{self, OpacityProfile};
+use cellfan::{Camera, FieldSelection, RenderOptions, Renderer, Scene, TransferFunction};
 
 use crate::seeds::{self, Seeds};
 
@@ -44,6 +45,9 @@ const TEXT: Limits = Limits { times: 64, mebibytes: 1, millis: 1000 };
 /// A map of the most points is sampled at 70,000 places.
 const MAP: Limits = Limits { mebibytes: 48, ..TEXT };
 
+/// Tables and bins of a frame.
+const PICTURE: Limits = Limits { mebibytes: 32, ..TEXT };
+
 /// All readers. One line each: name, seeds, what reads, words, limits.
 pub(crate) const TARGETS: &[Target] = &[
     target("vtu", seeds::vtu, |bytes| mesh(io::read_vtu(bytes, Path::new("a.vtu"))), seeds::XML_WORDS, XML),
@@ -59,6 +63,7 @@ pub(crate) const TARGETS: &[Target] = &[
     target("transfer-csv", seeds::transfer_csv, |bytes| transfer(bytes, "csv"), seeds::CSV_WORDS, TEXT),
     target("paraview", seeds::paraview, |bytes| transfer(bytes, "json"), seeds::JSON_WORDS, MAP),
     target("camera", seeds::camera, camera, seeds::JSON_WORDS, TEXT),
+    Target { refuses_seeds: true, ..target("draw", seeds::vtk, draw, seeds::VTK_WORDS, PICTURE) },
     Target { refuses_seeds: true, ..target("open", seeds::real, through_a_file, seeds::VTK_WORDS, XML) },
 ];
 
@@ -126,6 +131,21 @@ fn camera(bytes: &[u8]) -> Result<(), String> {
         assert!(pixel.is_finite(), "{pixel:?} of {ray:?}");
     }
     Ok(())
+}
+
+/// What can be read can be drawn.
+fn draw(bytes: &[u8]) -> Result<(), String> {
+    let message = |error: cellfan::Error| error.to_string();
+    let dataset = io::read_vtk(bytes, Path::new("a.vtk")).and_then(UnstructuredMesh::into_dataset).map_err(message)?;
+    let array = dataset.arrays.first().map(|array| FieldSelection::parse(&array.name, &dataset.arrays));
+    let field =
+        array.map_or_else(|| Ok(dataset.homogeneous_field()), |array| dataset.field(&array)).map_err(message)?;
+    let (range, distance) = (field.range, dataset.diagonal_world() / 100.0);
+    let transfer = presets::preset("viridis", range, OpacityProfile::default(), distance).map_err(message)?;
+    let camera = Camera::framing(&dataset.corners_world(), 35.0, 20.0, 24, 17);
+    let scene = Scene::new(dataset, field, &transfer);
+    // Not that every pixel is finite: the lengths in a mesh of 1e38 across are not.
+    Renderer::new(RenderOptions::default()).render(&scene, &camera).map(drop).map_err(message)
 }
 
 /// As the program reads: format by content, then extension.
