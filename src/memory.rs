@@ -30,11 +30,12 @@ fn free_bytes() -> Option<u64> {
     #[cfg(target_os = "linux")]
     {
         let read = |path: &str| std::fs::read_to_string(path).ok();
-        let machine = available(&read("/proc/meminfo")?);
-        let whole = |path: &str| read(path)?.trim().parse::<u64>().ok();
-        // "max", which is no number, where there is no limit.
-        let group = whole("/sys/fs/cgroup/memory.max")
-            .map(|limit| limit.saturating_sub(whole("/sys/fs/cgroup/memory.current").unwrap_or(0)));
+        let machine = read("/proc/meminfo").and_then(|text| available(&text));
+        let group = read("/proc/self/cgroup").and_then(|text| {
+            let folder = format!("/sys/fs/cgroup{}", text.lines().find_map(|line| line.strip_prefix("0::"))?);
+            let of_group = |file: &str| read(&format!("{folder}/memory.{file}"));
+            left_in_group(&of_group("max")?, &of_group("current")?, &of_group("stat")?)
+        });
         machine.into_iter().chain(group).min()
     }
     #[cfg(not(target_os = "linux"))]
@@ -51,6 +52,19 @@ fn available(meminfo: &str) -> Option<u64> {
         line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?.checked_mul(1024)
     };
     bytes("MemAvailable:")?.checked_add(bytes("SwapFree:").unwrap_or(0))
+}
+
+/// What a control group (version 2) leaves: its limit, if it has one, less what it uses; pages of files can be given up.
+#[cfg(any(target_os = "linux", test))]
+fn left_in_group(max: &str, current: &str, stat: &str) -> Option<u64> {
+    // "max", which is no number, where there is no limit.
+    let (max, current) = (max.trim().parse::<u64>().ok()?, current.trim().parse::<u64>().ok()?);
+    let value = |name: &str| {
+        let rest = |line: &str| line.strip_prefix(name)?.trim().parse::<u64>().ok();
+        stat.lines().find_map(rest).unwrap_or(0)
+    };
+    let files = value("active_file ").saturating_add(value("inactive_file "));
+    Some(max.saturating_sub(current.saturating_sub(files)))
 }
 
 #[cfg(test)]
@@ -73,5 +87,10 @@ mod tests {
         assert_eq!(available("MemAvailable: 12 kB\n"), Some(12 << 10));
         assert_eq!(available("SwapFree: 12 kB\n"), None);
         assert_eq!(available("MemAvailable: many\n"), None);
+        let stat = "anon 20\nfile 50\ninactive_file 30\nactive_file 10\n";
+        assert_eq!(left_in_group("100\n", "70\n", stat), Some(70));
+        assert_eq!(left_in_group("100\n", "70\n", ""), Some(30));
+        assert_eq!(left_in_group("100\n", "700\n", ""), Some(0));
+        assert_eq!(left_in_group("max\n", "70\n", stat), None);
     }
 }
