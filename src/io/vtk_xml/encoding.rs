@@ -31,7 +31,7 @@ pub(in crate::io) struct Encoding<'a> {
 /// LZMA (zlib, and LZMA in VTK's blocks of 32 KiB: 6 and 15).
 const LARGEST_EXPANSION: u64 = 64;
 /// What a file may expand to whatever its size: small files hold little but repetitions.
-const SMALLEST_EXPANSION: u64 = 16 << 20;
+const SMALLEST_EXPANSION: u64 = 4 << 20;
 
 impl<'a> Encoding<'a> {
     /// The encoding of a file of `file_len` bytes with root element `root` and `appended` bytes.
