@@ -3,7 +3,10 @@
 //! In: the path, and a function that writes. Out: the file with the permissions of any new file (`0666 & !umask`), or
 //! those of the file it replaces; after an error, what was there before. A link is followed to the file it names.
 //! A path that is no regular file (`/dev/stdout`, a named pipe) cannot be renamed over: it gets the bytes at the end.
-//! Nothing is synced: after a power failure the file is as safe as any other new file.
+//! Nothing is synced: after a power failure the file is as safe as any other new file. What a process that was killed
+//! leaves of its temporary files is removed by the next one that writes into the same folder.
+
+mod temporary;
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter, Seek};
@@ -88,13 +91,8 @@ impl AtomicFile {
             path.to_owned()
         };
 
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".cellfan-").suffix(".partial");
-        #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         let folder = folder_of(&target);
-        let (file, temporary) = builder
-            .tempfile_in(folder)
+        let (file, temporary) = temporary::create_in(folder)
             // The error names the temporary file, which means nothing to the reader.
             .map_err(|error| {
                 let problem =
@@ -117,10 +115,8 @@ impl AtomicFile {
         let at = io_at(&self.path);
         let mut file = self.writer.into_inner().map_err(|error| at(error.into_error()))?;
         match self.end {
-            End::Rename { temporary, target } => {
-                drop(file);
-                temporary.persist(target).map_err(|error| at(error.error))
-            }
+            // The file stays open and locked until it has its name.
+            End::Rename { temporary, target } => temporary.persist(target).map_err(|error| at(error.error)),
             End::Copy => {
                 file.rewind().map_err(&at)?;
                 let mut device = OpenOptions::new().write(true).open(&self.path).map_err(&at)?;

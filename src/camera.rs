@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, presentable};
 
 /// How rays leave the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -110,6 +110,8 @@ impl Camera {
     pub const FOV_DEGREES: f64 = 30.0;
     /// Largest picture side: beyond it, tile the picture.
     pub const MAX_SIDE: u32 = 32_768;
+    /// No coordinate of a camera reaches this.
+    pub const FARTHEST: f64 = 1e100;
 
     /// A perspective camera with the default field of view and +z up (+y where the view is along z).
     pub fn looking_at(eye: DVec3, target: DVec3, width: u32, height: u32) -> Self {
@@ -153,8 +155,10 @@ impl Camera {
             let (w, h, max) = (self.width, self.height, Self::MAX_SIDE);
             return Err(bad(format!("a picture of {w}x{h} pixels; each side must be 1 to {max}")));
         }
-        if !(self.eye.is_finite() && self.target.is_finite() && self.up.is_finite()) {
-            return Err(bad("eye, target and up must be finite".to_owned()));
+        // Beyond, squares of lengths are no numbers any more; nothing in f32 is so far away.
+        let is_near = |p: DVec3| p.abs().max_element() < Self::FARTHEST;
+        if !(is_near(self.eye) && is_near(self.target) && is_near(self.up)) {
+            return Err(bad(format!("eye, target and up must be finite, each coordinate below {:e}", Self::FARTHEST)));
         }
         let view = self.target - self.eye;
         if view.length() <= f64::EPSILON * self.eye.length() || view == DVec3::ZERO {
@@ -194,6 +198,9 @@ impl Camera {
             return Err(bad(format!("near ({near}) must be less than far ({far})")));
         }
         let pixel = height_at_unit_depth / f64::from(self.height);
+        if !(pixel * pixel).is_normal() {
+            return Err(bad(format!("a pixel is {pixel:e} wide; choose another fov or orthographic_height")));
+        }
         Ok(Frame {
             eye: self.eye,
             forward,
@@ -210,7 +217,7 @@ impl Camera {
     /// [`Error::Camera`] where the text is not such a camera, with the line, or the camera is not valid.
     pub fn from_json(text: &str) -> Result<Self> {
         let parsed: CameraJson =
-            serde_json::from_str(text).map_err(|error| Error::Camera { problem: error.to_string() })?;
+            serde_json::from_str(text).map_err(|error| Error::Camera { problem: presentable(error.to_string()) })?;
         let projection = match (parsed.orthographic_height, parsed.fov) {
             (Some(height_world), _) => Projection::Orthographic { height_world },
             (None, fov) => Projection::Perspective { fov_degrees: fov.unwrap_or(Self::FOV_DEGREES) },

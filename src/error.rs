@@ -4,6 +4,42 @@
 
 use std::path::PathBuf;
 
+/// Most characters of a sentence about a file: it may quote what the file holds, which may be long.
+const LONGEST_PROBLEM: usize = 600;
+
+/// Most names that a message lists.
+const MOST_NAMES: usize = 50;
+
+/// A sentence about input, as it can be shown: without characters that a terminal would obey, and without its middle where
+/// it is too long.
+pub(crate) fn presentable(problem: String) -> String {
+    let half = LONGEST_PROBLEM / 2;
+    let problem = without_controls(problem);
+    // In bytes first: most messages are not even counted.
+    if problem.len() <= LONGEST_PROBLEM || problem.chars().count() <= LONGEST_PROBLEM {
+        return problem;
+    }
+    let start: String = problem.chars().take(half).collect();
+    let end: Vec<char> = problem.chars().rev().take(half).collect();
+    start + " … " + &end.into_iter().rev().collect::<String>()
+}
+
+/// `text` with a replacement character for each control character.
+pub(crate) fn without_controls(text: String) -> String {
+    if text.contains(char::is_control) { text.replace(char::is_control, "\u{fffd}") } else { text }
+}
+
+/// Names that can be chosen from, each and all of bearable length.
+fn list(names: &[String]) -> String {
+    let shown: Vec<String> = names.iter().take(MOST_NAMES).map(|name| name.chars().take(80).collect()).collect();
+    let more = names.len().saturating_sub(MOST_NAMES);
+    shown.join(", ") + &if more > 0 { format!(" and {more} more") } else { String::new() }
+}
+
+fn gibibytes(bytes: u64) -> String {
+    format!("{:.1} GiB", bytes as f64 / f64::from(1 << 30))
+}
+
 /// A result with cellfan's [`Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
@@ -109,6 +145,21 @@ pub enum Error {
         limit: u64,
     },
 
+    /// What was asked for needs more memory than there is.
+    #[error(
+        "{what} takes {} of memory{}; ask for less",
+        gibibytes(*bytes),
+        free.map_or(", which the system refuses".to_owned(), |free| format!(", and {} are free", gibibytes(free)))
+    )]
+    OutOfMemory {
+        /// What needs it.
+        what: String,
+        /// How much it needs at once.
+        bytes: u64,
+        /// How much is free, where that is known.
+        free: Option<u64>,
+    },
+
     /// Nothing is left to draw.
     #[error("the mesh has no cell with a volume: {found}")]
     NoCells {
@@ -120,7 +171,7 @@ pub enum Error {
     #[error("there is no array {name:?}; {}", if available.is_empty() {
         "the mesh has no arrays: leave --array out to draw it homogeneous".to_owned()
     } else {
-        format!("choose one of: {}", available.join(", "))
+        format!("choose one of: {}", list(available))
     })]
     UnknownArray {
         /// The name given.

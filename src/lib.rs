@@ -48,6 +48,7 @@ pub mod error;
 pub mod generate;
 pub mod image;
 pub mod io;
+mod memory;
 pub mod optics;
 pub mod profile;
 pub mod render;

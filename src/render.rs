@@ -10,6 +10,7 @@ use crate::camera::Camera;
 use crate::columns::{Dataset, Field};
 use crate::error::{Error, Result};
 use crate::image::Image;
+use crate::memory;
 use crate::optics::{
     Absorption, Averaged, CullTable, Emission, EmissionAbsorption, Integral, Mip, Model, Optics, Pieces, Textured,
     TransferFunction,
@@ -149,21 +150,26 @@ pub struct Renderer {
     options: RenderOptions,
     tiles: TileCompositor,
     fans: FanCompositor,
+    /// Pictures of so many pixels were found to fit into memory.
+    checked_pixels: u64,
 }
+
+/// The picture and its tiles, 16 bytes each, and what 64 chunks count for each tile of 32×32 pixels.
+const BYTES_PER_PIXEL: u64 = 16 + 16 + 1;
 
 impl Renderer {
     /// A renderer with `options`.
     pub fn new(options: RenderOptions) -> Self {
         let mut tiles = TileCompositor::default();
         tiles.set_instruction_set(options.instruction_set);
-        Self { options, tiles, fans: FanCompositor::default() }
+        Self { options, tiles, fans: FanCompositor::default(), checked_pixels: 0 }
     }
 
     /// Draws one frame.
     ///
     /// # Errors
-    /// [`Error::Camera`] where the camera is not valid, [`Error::Option`] where the options are not, [`Error::Changed`] where a file
-    /// that is used in place has changed.
+    /// [`Error::Camera`] where the camera is not valid, [`Error::Option`] where the options are not, [`Error::Changed`] where a
+    /// file that is used in place has changed, [`Error::OutOfMemory`] where the picture is too large for it.
     pub fn render(&mut self, scene: &Scene, camera: &Camera) -> Result<Rendered> {
         let options = self.options;
         if !(0.0..1.0).contains(&options.stop_transmittance) {
@@ -179,6 +185,7 @@ impl Renderer {
         }
         let start = Instant::now();
         let view = View::new(camera, &scene.dataset)?;
+        self.check_memory(view.size_px)?;
         let cull_table = CullTable::new(&scene.pieces, options.model);
         let frame = Frame {
             dataset: &scene.dataset,
@@ -199,6 +206,17 @@ impl Renderer {
         let cells = cell_stats(&scene.dataset, &counts, options.cpu_method);
         let order = self.order_stats(scene, &counts, misordered_pairs);
         Ok(Rendered { image, cells, triangles: counts.triangles, order, profile, frame_ms })
+    }
+
+    /// Pictures larger than any before have to fit into memory.
+    fn check_memory(&mut self, [width, height]: [u32; 2]) -> Result<()> {
+        let pixels = u64::from(width) * u64::from(height);
+        if pixels > self.checked_pixels {
+            let what = || format!("drawing a picture of {width}x{height} pixels");
+            memory::check(what, pixels.checked_mul(BYTES_PER_PIXEL))?;
+            self.checked_pixels = pixels;
+        }
+        Ok(())
     }
 
     fn sort_key(&self, scene: &Scene) -> SortKey {

@@ -5,6 +5,8 @@ mod common;
 mod container;
 #[path = "cli/errors.rs"]
 mod errors;
+#[path = "cli/interrupted.rs"]
+mod interrupted;
 #[path = "cli/other_verbs.rs"]
 mod other_verbs;
 #[path = "cli/render.rs"]

@@ -6,9 +6,10 @@
 
 use std::path::{Path, PathBuf};
 
-/// DESIGN, "Rooms"; `atomic` (files that appear whole) is below everything that writes files.
+/// DESIGN, "Rooms"; `atomic` (files that appear whole) is below everything that writes files, `memory` (asked for before
+/// it is taken) below everything whose size a user chooses.
 const TIERS: &[&[&str]] = &[
-    &["error", "profile", "image", "camera", "atomic"],
+    &["error", "profile", "image", "camera", "atomic", "memory"],
     &["columns", "cells", "optics"],
     &["io", "stages", "hierarchy", "generate"],
     &["backends", "depth_planes"],
@@ -23,6 +24,8 @@ const WITHIN: &[(&str, &str)] = &[
     ("image", "error"),
     ("camera", "error"),
     ("atomic", "error"),
+    ("memory", "error"),
+    ("image", "memory"),
     ("profile", "atomic"),
     ("image", "atomic"),
     ("cells", "columns"),

@@ -2,6 +2,7 @@
 
 use super::Orbital;
 use crate::error::{Error, Result};
+use crate::memory;
 
 /// The largest jitter, in spacings of the grid; beyond half a spacing neighbours would change places.
 pub const MAX_JITTER: f64 = 0.35;
@@ -67,9 +68,14 @@ impl Settings {
             let problem = format!("{} is not between 0 and {MAX_JITTER} spacings", self.jitter);
             return Err(Error::Option { option: "--jitter", problem });
         }
-        Ok(())
+        // More than 32 bits can number are refused as that, once the kind of mesh says how many there will be.
+        let cells = if self.cells <= LIMIT { self.cells } else { 0 };
+        memory::check(|| format!("a mesh of {cells} cells"), cells.checked_mul(BYTES_PER_CELL))
     }
 }
+
+/// What generating and writing takes at most: 83 to 86 MB for a million cells of any kind (`generate KIND --cells 1000000`).
+const BYTES_PER_CELL: u64 = 80;
 
 /// The number of entries a 32-bit index map can name, as `columns` has it.
 const LIMIT: u64 = u32::MAX as u64 - 1;

@@ -11,10 +11,15 @@ use ::image::{ExtendedColorType, ImageEncoder};
 use rayon::prelude::*;
 
 use super::{Encoding, Image, encoder_error};
-use crate::Result;
+use crate::{Result, memory};
+
+/// Four channels, and once more when they are compressed.
+const BYTES_PER_PIXEL: u64 = 8;
 
 /// Writes `image` as PNG.
 pub(super) fn encode(image: &Image, encoding: &Encoding, path: &Path, writer: impl Write) -> Result<()> {
+    let what = || format!("writing a PNG of {}x{} pixels", image.width, image.height);
+    memory::check(what, (image.pixels.len() as u64).checked_mul(BYTES_PER_PIXEL))?;
     let (bytes, color): (Vec<u8>, _) = match (encoding.premultiplied, encoding.background) {
         (false, _) => (map_pixels(image, |[r, g, b, _]| [r, g, b].map(srgb_from_linear)), ExtendedColorType::Rgb8),
         (true, Some(background)) => {

@@ -4,6 +4,7 @@
 //! cells. A mesh of tetrahedra keeps its points; cells with more corners are split by [`cells::split`].
 
 use super::UnstructuredMesh;
+use super::source::quote;
 use crate::cells::{self, CellClass, CellKind, Nodes};
 use crate::columns::{Array, Association, CellCounts, Dataset, TetMesh};
 use crate::error::{Error, Result};
@@ -98,7 +99,7 @@ fn check(mesh: &UnstructuredMesh) -> Result<()> {
         let tuples = if array.association == Association::Point { points } else { cells };
         let expected = tuples.saturating_mul(array.components as u64);
         if array.values.len() as u64 != expected {
-            return mismatch(format!("array {:?}", array.name), array.values.len() as u64, expected);
+            return mismatch(format!("array {}", quote(array.name.as_bytes())), array.values.len() as u64, expected);
         }
     }
     Ok(())

@@ -32,6 +32,9 @@ pub use write_vtu::{Compression, write_vtu};
 use crate::columns::Dataset;
 use crate::error::{Error, Result};
 
+/// Most arrays that the points or the cells of a piece may have: their names are compared with each other.
+const MOST_ARRAYS: usize = 4096;
+
 /// Reads a file of any format in [`formats::READ`] and makes it ready to draw.
 ///
 /// # Errors

@@ -107,24 +107,23 @@ pub(super) fn points_from(column: &NumericColumn) -> Points {
     }
 }
 
-/// Whole numbers out of a column that holds only such from 0 to `limit`; the first other one is the error.
-pub(super) fn whole_numbers(column: &NumericColumn, limit: u64) -> Result<Vec<u64>, (usize, i64)> {
-    let check = |i: usize, value: Option<u64>, found: i64| value.filter(|&v| v <= limit).ok_or((i, found));
-    match column {
-        NumericColumn::I64(values) => {
-            values.iter().enumerate().map(|(i, &v)| check(i, u64::try_from(v).ok(), v)).collect()
-        }
-        NumericColumn::U64(values) => {
-            values.iter().enumerate().map(|(i, &v)| check(i, Some(v), i64::try_from(v).unwrap_or(i64::MAX))).collect()
-        }
-        _ => (0..column.len())
-            .map(|i| {
+/// Whole numbers of type `T` out of a column that holds only such from 0 to `limit`; the first other one is the error.
+pub(super) fn whole_numbers<T: TryFrom<u64>>(column: &NumericColumn, limit: u64) -> Result<Vec<T>, (usize, i64)> {
+    // Of the size it will have (offsets get a 0 in front): what is collected while it may fail takes three times as much.
+    let mut whole = Vec::with_capacity(column.len() + 1);
+    for i in 0..column.len() {
+        let (value, found) = match column {
+            NumericColumn::I64(values) => (u64::try_from(values[i]).ok(), values[i]),
+            NumericColumn::U64(values) => (Some(values[i]), i64::try_from(values[i]).unwrap_or(i64::MAX)),
+            _ => {
                 let value = column.get(i);
-                let whole = value.fract() == 0.0 && value >= 0.0;
-                check(i, whole.then_some(value as u64), value as i64)
-            })
-            .collect(),
+                ((value.fract() == 0.0 && value >= 0.0).then_some(value as u64), value as i64)
+            }
+        };
+        let value = value.filter(|&value| value <= limit).and_then(|value| T::try_from(value).ok());
+        whole.push(value.ok_or((i, found))?);
     }
+    Ok(whole)
 }
 
 /// A number in text.
@@ -223,8 +222,11 @@ mod tests {
 
     #[test]
     fn negative_indices_are_found() {
-        assert_eq!(whole_numbers(&NumericColumn::from(vec![0_i32, -1]), 10), Err((1, -1)));
-        assert_eq!(whole_numbers(&NumericColumn::from(vec![11_u64]), 10), Err((0, 11)));
-        assert_eq!(whole_numbers(&NumericColumn::from(vec![3_u8]), 10), Ok(vec![3]));
+        let whole = |column: NumericColumn| whole_numbers::<u8>(&column, 300);
+        assert_eq!(whole(vec![0_i32, -1].into()), Err((1, -1)));
+        assert_eq!(whole(vec![301_u64].into()), Err((0, 301)));
+        assert_eq!(whole(vec![256_u64].into()), Err((0, 256)), "beyond the type");
+        assert_eq!(whole(vec![0.5_f32].into()), Err((0, 0)));
+        assert_eq!(whole(vec![3_u8].into()), Ok(vec![3]));
     }
 }

@@ -1,10 +1,14 @@
 //! `.pvtu`: an unstructured grid in several `.vtu` files, one after the other.
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use super::source::{Source, quote};
 use super::{UnstructuredMesh, read_vtu, vtk_xml};
 use crate::error::{Error, Result};
+
+/// Bytes of the longest path of a piece: Linux opens none that is longer.
+const LONGEST_NAME: usize = 4096;
 
 /// Reads a `.pvtu` file that is in memory, and the pieces it names relative to the folder of `path`.
 ///
@@ -20,14 +24,24 @@ pub fn read_pvtu(bytes: &[u8], path: &Path) -> Result<UnstructuredMesh> {
         .ok_or_else(|| source.malformed(root.place(), "holds no <PUnstructuredGrid>: damaged or truncated"))?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut pieces = Vec::new();
+    let mut read = HashSet::new();
     for piece in grid.children_named("Piece") {
         let name =
             piece.attribute("Source").ok_or_else(|| source.malformed(piece.place(), "has no attribute \"Source\""))?;
+        let bad = |what: &str| source.malformed(piece.place(), format!("Source={} {what}", quote(name.as_bytes())));
+        if name.len() > LONGEST_NAME || name.contains(char::is_control) {
+            return Err(bad("is no name of a file"));
+        }
         let piece_path = folder.join(name);
         // A device or a pipe may never end.
         if piece_path.exists() && !piece_path.is_file() {
-            let problem = format!("Source={} is no file", quote(name.as_bytes()));
-            return Err(source.malformed(piece.place(), problem));
+            return Err(bad("is no file"));
+        }
+        // Cells that are there twice cannot be drawn, and a small file must not become a large mesh.
+        if let Ok(canonical) = piece_path.canonicalize()
+            && !read.insert(canonical)
+        {
+            return Err(bad("is the file of an earlier piece too; each piece has a file of its own"));
         }
         let bytes = std::fs::read(&piece_path).map_err(|source| Error::Io { path: piece_path.clone(), source })?;
         pieces.push(read_vtu(&bytes, &piece_path)?);

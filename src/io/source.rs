@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::error::Error;
+use crate::error::{Error, presentable};
 
 /// The name under which errors are reported.
 #[derive(Clone, Copy, Debug)]
@@ -13,12 +13,13 @@ pub(super) struct Source<'a> {
 impl Source<'_> {
     /// The file breaks its format's rules at `place`.
     pub(super) fn malformed(self, place: impl Into<String>, problem: impl Into<String>) -> Error {
-        Error::Malformed { path: self.path.to_owned(), place: place.into(), problem: problem.into() }
+        let (place, problem) = (presentable(place.into()), presentable(problem.into()));
+        Error::Malformed { path: self.path.to_owned(), place, problem }
     }
 
     /// The file holds something that is not read.
     pub(super) fn unsupported(self, what: impl Into<String>, advice: impl Into<String>) -> Error {
-        Error::Unsupported { path: self.path.to_owned(), what: what.into(), advice: advice.into() }
+        Error::Unsupported { path: self.path.to_owned(), what: presentable(what.into()), advice: advice.into() }
     }
 }
 

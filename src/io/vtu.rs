@@ -5,9 +5,9 @@ use std::path::Path;
 use super::numbers::{points_from, whole_numbers};
 use super::source::Source;
 use super::vtk_xml::{self, Element, Encoding};
-use super::{UnstructuredMesh, offsets};
-use crate::columns::{Array, Association, NumericColumn, Points};
-use crate::error::{Error, Result};
+use super::{MOST_ARRAYS, UnstructuredMesh, offsets};
+use crate::columns::{Array, Association, Points};
+use crate::error::{Error, Result, without_controls};
 
 /// Reads a `.vtu` file that is in memory; `path` is its name in messages.
 ///
@@ -82,16 +82,16 @@ fn read_cells(
             .ok_or_else(|| source.malformed(cells.place(), format!("holds no <DataArray> {name:?}")))
     };
     let (types, ends, connectivity) = (array("types")?, array("offsets")?, array("connectivity")?);
-    let whole = |array: &Element<'_>, column: &NumericColumn, limit| {
-        whole_numbers(column, limit).map_err(|(i, found)| {
-            source.malformed(array.place(), format!("value {i} is {found}, which is no number from 0 to {limit}"))
-        })
+    let no_number = |array: &Element<'_>, limit| {
+        let place = array.place();
+        move |(i, found)| source.malformed(place, format!("value {i} is {found}, which is no number from 0 to {limit}"))
     };
     let values = encoding.values(types, Some(cell_count))?;
-    mesh.types = whole(types, &values, 255)?.into_iter().map(|code| code as u8).collect();
+    mesh.types = whole_numbers(&values, 255).map_err(no_number(types, 255))?;
 
     let values = encoding.values(ends, Some(cell_count))?;
-    mesh.offsets = [0].into_iter().chain(whole(ends, &values, i64::MAX as u64)?).collect();
+    mesh.offsets = whole_numbers(&values, i64::MAX as u64).map_err(no_number(ends, i64::MAX))?;
+    mesh.offsets.insert(0, 0);
     let values = encoding.values(connectivity, None)?;
     offsets::check(&mesh.offsets, values.len()).map_err(|problem| source.malformed(ends.place(), problem))?;
 
@@ -100,11 +100,10 @@ fn read_cells(
     if len > limit {
         return Err(Error::TooLarge { column: "points", len, limit }.in_file(source.path));
     }
-    let indices = whole_numbers(&values, len.saturating_sub(1)).map_err(|(i, index)| {
+    mesh.connectivity = whole_numbers(&values, len.saturating_sub(1)).map_err(|(i, index)| {
         let cell = offsets::cell_of(&mesh.offsets, i);
         Error::IndexOutOfRange { column: "connectivity", cell, index, len }.in_file(source.path)
     })?;
-    mesh.connectivity = indices.into_iter().map(|index| index as u32).collect();
     Ok(())
 }
 
@@ -117,7 +116,7 @@ fn read_arrays(
 ) -> Result<Vec<Array>> {
     let mut arrays: Vec<Array> = Vec::new();
     for element in data.children_named("DataArray") {
-        let name = element.attribute("Name").unwrap_or("unnamed").to_owned();
+        let name = without_controls(element.attribute("Name").unwrap_or("unnamed").to_owned());
         if !vtk_xml::is_numeric(element) {
             tracing::debug!(name, "the array holds no numbers, left out");
             continue;
@@ -125,6 +124,9 @@ fn read_arrays(
         if arrays.iter().any(|array| array.name == name) {
             tracing::warn!(name, "there are several arrays of this name, the first is used");
             continue;
+        }
+        if arrays.len() == MOST_ARRAYS {
+            return Err(source.malformed(data.place(), format!("holds more than {MOST_ARRAYS} arrays; leave some out")));
         }
         let components = element.count("NumberOfComponents", Some(1), source)?.max(1);
         let values = encoding.values(element, Some(values_of(element, tuples, components, source)?))?;

@@ -3,7 +3,7 @@
 //! Piecewise linear, right-continuous where two points at one value make a step, clamped outside. Colours are linear RGB.
 
 use super::thin_points::thin_points;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, presentable};
 
 /// Opacity is limited to this before it becomes an extinction: an opacity of 1 would be infinite.
 pub const OPACITY_LIMIT: f64 = 0.9999;
@@ -162,8 +162,10 @@ pub fn extinction_from_opacity(opacity: f64, unit_distance: f64) -> f64 {
 }
 
 /// Where `value` lies between two others, without overflow; `low < high`.
-fn fraction(value: f64, low: f64, high: f64) -> f64 {
-    (0.5 * value - 0.5 * low) / (0.5 * high - 0.5 * low)
+pub(super) fn fraction(value: f64, low: f64, high: f64) -> f64 {
+    let width = high - low;
+    // Halved only where it must be: half of the smallest number is 0.
+    if width.is_finite() { (value - low) / width } else { (0.5 * value - 0.5 * low) / (0.5 * high - 0.5 * low) }
 }
 
 /// A range that something can be stretched over.
@@ -194,7 +196,7 @@ pub(super) fn check_opacity(opacity: f64) -> Result<()> {
 }
 
 pub(super) fn problem(problem: impl Into<String>) -> Error {
-    Error::TransferFunction { problem: problem.into() }
+    Error::TransferFunction { problem: presentable(problem.into()) }
 }
 
 #[cfg(test)]

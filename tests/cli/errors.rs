@@ -1,9 +1,9 @@
 //! What goes wrong: the message, the exit code, and no file left behind.
 
 use std::io::Read;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 
-use super::Place;
+use super::{Place, Ran};
 
 #[test]
 fn bad_usage_is_1_and_names_what_is_expected() {
@@ -127,4 +127,32 @@ fn a_closed_stderr_does_not_keep_it_from_drawing() {
     drop(child.stderr.take());
     assert_eq!(child.wait().unwrap().code(), Some(0));
     assert!(place.path("out.png").exists());
+}
+
+/// Runs a line of arguments with 1.5 GiB of address space.
+#[cfg(unix)]
+fn run_small(place: &Place, arguments: &str) -> Ran {
+    let mut command = Command::new("sh");
+    let program = env!("CARGO_BIN_EXE_cellfan");
+    command.current_dir(place.path("")).env_remove("RUST_LOG");
+    Ran::of(command.args(["-c", &format!("ulimit -v 1572864; exec '{program}' {arguments}")]).output().unwrap())
+}
+
+#[cfg(unix)]
+#[test]
+fn what_does_not_fit_into_memory_is_an_error() {
+    let place = Place::with_mesh();
+    for (arguments, parts) in [
+        ("render mesh.vtu --size 30000x30000 -o out.png", ["30000x30000", "27.7 GiB"]),
+        ("render mesh.vtu --size 30000x30000 --cpu-method fans -o out.exr", ["30000x30000", "27.7 GiB"]),
+        ("render mesh.vtu --size 30000x30000 --frames 2 --orbit 9 -o out.npy", ["30000x30000", "27.7 GiB"]),
+        // The picture fits, its file does not.
+        ("render mesh.vtu --size 6500x6500 --threads 1 -o out.png", ["6500x6500 pixels takes", "0.3 GiB"]),
+        ("generate tets --cells 1000000000 -o out.vtu", ["1000000000 cells", "74.5 GiB"]),
+        ("generate delaunay --cells 1000000000 -o out.vtu", ["1000000000 cells", "74.5 GiB"]),
+    ] {
+        run_small(&place, arguments).fails(1, &parts);
+        assert_eq!(place.names(), ["mesh.vtu"], "{arguments}");
+    }
+    run_small(&place, "render mesh.vtu --size 48x40 -o out.png").succeeds();
 }

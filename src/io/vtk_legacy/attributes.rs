@@ -1,5 +1,6 @@
 //! `POINT_DATA` and `CELL_DATA`: the arrays of a legacy file.
 
+use super::super::MOST_ARRAYS;
 use super::super::numbers::NumberType;
 use super::super::source::Source;
 use super::cursor::{Cursor, DataType};
@@ -89,25 +90,27 @@ impl Attributes {
                 (components, cursor.tuples(data, tuples, components)?)
             }
         };
-        self.add(Array { name, association, components, values }, tuples);
-        Ok(())
+        self.add(Array { name, association, components, values }, tuples, cursor)
     }
 
     fn read_field(&mut self, association: Association, tuples: usize, cursor: &mut Cursor<'_>) -> Result<()> {
-        for_each_field_array(cursor, |name, components, values| {
-            self.add(Array { name, association, components, values }, tuples);
+        for_each_field_array(cursor, |name, components, values, cursor| {
+            self.add(Array { name, association, components, values }, tuples, cursor)
         })
     }
 
-    fn add(&mut self, array: Array, tuples: usize) {
+    fn add(&mut self, array: Array, tuples: usize, cursor: &Cursor<'_>) -> Result<()> {
         let Array { name, association, components, values } = &array;
         if *components == 0 || values.len() != tuples.saturating_mul(*components) {
             tracing::warn!(name, "the field's array has not one tuple for each point or cell, left out");
         } else if self.arrays.iter().any(|other| other.name == *name && other.association == *association) {
             tracing::warn!(name, "there are several arrays of this name, the first is used");
+        } else if self.arrays.len() == MOST_ARRAYS {
+            return Err(cursor.malformed(format!("the file holds more than {MOST_ARRAYS} arrays; leave some out")));
         } else {
             self.arrays.push(array);
         }
+        Ok(())
     }
 
     /// The arrays, once the number of points and cells is known.
@@ -141,11 +144,14 @@ fn colors(cursor: &mut Cursor<'_>, tuples: usize, components: usize) -> Result<N
 
 /// Reads over a field that belongs to the dataset as a whole.
 pub(super) fn skip_field(cursor: &mut Cursor<'_>) -> Result<()> {
-    for_each_field_array(cursor, |_, _, _| {})
+    for_each_field_array(cursor, |_, _, _, _| Ok(()))
 }
 
 /// Hands name, components and values of each array of a FIELD to `visit`; text is skipped.
-fn for_each_field_array(cursor: &mut Cursor<'_>, mut visit: impl FnMut(String, usize, NumericColumn)) -> Result<()> {
+fn for_each_field_array(
+    cursor: &mut Cursor<'_>,
+    mut visit: impl FnMut(String, usize, NumericColumn, &Cursor<'_>) -> Result<()>,
+) -> Result<()> {
     cursor.name()?;
     let count = cursor.count("the number of arrays of the field")?;
     for _ in 0..count {
@@ -164,7 +170,7 @@ fn for_each_field_array(cursor: &mut Cursor<'_>, mut visit: impl FnMut(String, u
                 let strings = tuples.checked_mul(components);
                 cursor.skip_strings(strings.ok_or_else(|| cursor.malformed("a field of text is too large"))?)?;
             }
-            data => visit(name, components, cursor.tuples(data, tuples, components)?),
+            data => visit(name, components, cursor.tuples(data, tuples, components)?, cursor)?,
         }
     }
     Ok(())

@@ -3,7 +3,7 @@
 use super::super::numbers::{ByteOrder, NumberType, whole_numbers};
 use super::super::source::{Source, quote};
 use crate::columns::NumericColumn;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, without_controls};
 
 /// Where the reader is in a file.
 #[derive(Debug)]
@@ -89,7 +89,7 @@ impl<'a> Cursor<'a> {
         count.ok_or_else(|| self.malformed(format!("{} is not {of}", quote(word))))
     }
 
-    /// A name, with `%20` and the like decoded.
+    /// A name, with `%20` and the like decoded; characters that a terminal would obey are replaced.
     pub(super) fn name(&mut self) -> Result<String> {
         let word = self.word().ok_or_else(|| self.malformed("the file ends before a name"))?;
         let mut name = Vec::with_capacity(word.len());
@@ -100,7 +100,7 @@ impl<'a> Cursor<'a> {
             name.push(code.unwrap_or(word[at]));
             at += if code.is_some() { 3 } else { 1 };
         }
-        Ok(String::from_utf8_lossy(&name).into_owned())
+        Ok(without_controls(String::from_utf8_lossy(&name).into_owned()))
     }
 
     /// The next word as a type.

@@ -16,7 +16,7 @@ use self::cursor::Cursor;
 use super::UnstructuredMesh;
 use super::numbers::{points_from, whole_numbers};
 use super::source::{Source, quote};
-use crate::error::{Error, Result};
+use crate::error::Result;
 
 /// Reads a legacy `.vtk` file that is in memory; `path` is its name in messages.
 ///
@@ -57,10 +57,8 @@ pub fn read_vtk(bytes: &[u8], path: &Path) -> Result<UnstructuredMesh> {
         let problem = format!("names {} cells where CELLS has {}: damaged or truncated", types.len(), cells.count());
         return Err(source.malformed("CELL_TYPES", problem));
     }
-    mesh.types = match whole_numbers(&types.into(), 255) {
-        Ok(types) => types.into_iter().map(|code| code as u8).collect(),
-        Err((cell, code)) => return Err(source.malformed("CELL_TYPES", format!("cell {cell} has type {code}"))),
-    };
+    mesh.types = whole_numbers(&types.into(), 255)
+        .map_err(|(cell, code)| source.malformed("CELL_TYPES", format!("cell {cell} has type {code}")))?;
     (mesh.offsets, mesh.connectivity) = cells.into_columns(mesh.points.len() as u64, source)?;
     mesh.arrays = attributes.into_arrays(mesh.points.len(), mesh.types.len(), source)?;
     Ok(mesh)
@@ -95,11 +93,10 @@ fn read_head(cursor: &mut Cursor<'_>) -> Result<()> {
             cursor.end_line();
             Ok(())
         }
-        Some(other) => Err(Error::Unsupported {
-            path: source.path.to_owned(),
-            what: format!("a VTK legacy file with DATASET {other}"),
-            advice: "convert it to an unstructured grid (.vtu)".to_owned(),
-        }),
+        Some(other) => {
+            let what = format!("a VTK legacy file with DATASET {other}");
+            Err(source.unsupported(what, "convert it to an unstructured grid (.vtu)"))
+        }
         None => Err(source.malformed("line 4", "names no dataset: the file is truncated")),
     }
 }

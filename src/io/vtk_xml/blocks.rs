@@ -69,6 +69,17 @@ impl Compressor {
         }
     }
 
+    /// How many bytes `compressed` ones become, if they can.
+    ///
+    /// The error is a sentence about the array.
+    pub(super) fn total_bytes(self, sizes: BlockSizes, compressed: usize) -> Result<u64, String> {
+        let total = sizes.total().ok_or("declares a size beyond 64 bits")?;
+        if total > (compressed as u64).saturating_mul(self.largest_ratio()) {
+            return Err(format!("declares {total} bytes in {compressed} compressed ones, which cannot be"));
+        }
+        Ok(total)
+    }
+
     /// The uncompressed bytes of `compressed`, whose blocks take `compressed_sizes` bytes each.
     ///
     /// The error is a sentence about the array.
@@ -78,11 +89,7 @@ impl Compressor {
         compressed_sizes: &[usize],
         compressed: &[u8],
     ) -> Result<Vec<u8>, String> {
-        let total = sizes.total().ok_or("declares a size beyond 64 bits")?;
-        let limit = (compressed.len() as u64).saturating_mul(self.largest_ratio());
-        if total > limit {
-            return Err(format!("declares {total} bytes in {} compressed ones, which cannot be", compressed.len()));
-        }
+        let total = self.total_bytes(sizes, compressed.len())?;
         let mut bytes = vec![0_u8; usize::try_from(total).map_err(|_| "is larger than the address space")?];
         let mut work = Vec::with_capacity(compressed_sizes.len());
         let (mut input, mut output) = (compressed, &mut bytes[..]);

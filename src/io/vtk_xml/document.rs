@@ -11,6 +11,9 @@ use crate::error::Result;
 /// No VTK file nests its elements deeper than seven.
 const DEEPEST: usize = 32;
 
+/// A piece has about ten elements and one for each array: enough for tens of thousands of pieces.
+const MOST_ELEMENTS: usize = 1 << 20;
+
 /// An element with what it contains.
 #[derive(Debug)]
 pub(in crate::io) struct Element<'a> {
@@ -76,12 +79,17 @@ pub(in crate::io) fn parse<'a>(text: &'a str, open_end: bool, source: Source<'_>
     let mut open: Vec<Element<'a>> = Vec::new();
     // How deep the reader is inside a child of a DataArray.
     let mut skipped = 0_usize;
+    let mut elements = 0_usize;
     loop {
         let byte = reader.buffer_position();
         let at = |byte: u64| format!("byte {byte}");
         let event = reader.read_event().map_err(|error| {
             source.malformed(at(reader.error_position()), format!("is not well-formed XML: {error}"))
         })?;
+        elements += usize::from(matches!(event, Event::Start(_) | Event::Empty(_)));
+        if elements > MOST_ELEMENTS {
+            return Err(source.malformed(at(byte), format!("there are more than {MOST_ELEMENTS} elements")));
+        }
         let in_array = open.last().is_some_and(|parent| parent.name == "DataArray" || parent.name == "Array");
         match event {
             Event::Start(_) if in_array => skipped += 1,

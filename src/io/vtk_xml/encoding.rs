@@ -23,7 +23,15 @@ pub(in crate::io) struct Encoding<'a> {
     /// Bytes that arrays may still take. Arrays may share appended bytes, but not so often that a small file becomes
     /// a large mesh.
     budget: Cell<usize>,
+    /// Bytes that compressed arrays may still become.
+    expansion: Cell<u64>,
 }
+
+/// All arrays of a file may become this many times its bytes. Whole meshes reach 36: a grid of hexahedra in one block of
+/// LZMA (zlib, and LZMA in VTK's blocks of 32 KiB: 6 and 15).
+const LARGEST_EXPANSION: u64 = 64;
+/// What a file may expand to whatever its size: small files hold little but repetitions.
+const SMALLEST_EXPANSION: u64 = 4 << 20;
 
 impl<'a> Encoding<'a> {
     /// The encoding of a file of `file_len` bytes with root element `root` and `appended` bytes.
@@ -61,7 +69,9 @@ impl<'a> Encoding<'a> {
             (Some(_), Some(other)) => return Err(unknown("encoding", other)),
         };
         let budget = Cell::new(file_len.saturating_mul(4));
-        Ok(Self { source, order, word, compressor, appended, budget })
+        let expansion =
+            Cell::new((file_len as u64).saturating_mul(LARGEST_EXPANSION).saturating_add(SMALLEST_EXPANSION));
+        Ok(Self { source, order, word, compressor, appended, budget, expansion })
     }
 
     /// The values of the `DataArray` element `array`: as many as `expected`, where that is known.
@@ -124,6 +134,13 @@ impl<'a> Encoding<'a> {
             .collect();
         let all = compressed_sizes.iter().fold(0_u64, |sum, &size| sum.saturating_add(size as u64));
         let compressed = self.take(stream, all)?;
+        let bytes = compressor.total_bytes(sizes, compressed.len())?;
+        let left = self.expansion.get().checked_sub(bytes).ok_or_else(|| {
+            format!(
+                "its {bytes} bytes make all arrays more than {LARGEST_EXPANSION} times the file; write it uncompressed"
+            )
+        })?;
+        self.expansion.set(left);
         compressor.expand(sizes, &compressed_sizes, &compressed)
     }
 

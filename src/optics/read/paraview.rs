@@ -12,11 +12,15 @@ use crate::error::Result;
 use crate::optics::color::{Path, between_srgb, linear_from_srgb};
 use crate::optics::presets::OpacityProfile;
 use crate::optics::transfer::{
-    ControlPoint, TransferFunction, check_opacity, check_range, check_unit_distance, extinction_from_opacity, problem,
+    ControlPoint, TransferFunction, check_opacity, check_range, check_unit_distance, extinction_from_opacity, fraction,
+    problem,
 };
 
 /// Samples between two points of the file, before thinning.
 const SAMPLES: usize = 16;
+
+/// Points of the largest map: each becomes tens of samples, of which memory holds two sides.
+const MOST_ROWS: usize = 4096;
 
 #[derive(Deserialize)]
 #[serde(rename_all = "PascalCase")]
@@ -141,12 +145,14 @@ fn rows(numbers: &[f64], name: &str) -> Result<Rows, String> {
     if rows.is_empty() || !rest.is_empty() {
         return Err(format!("{name} has {} numbers; it needs four a point", numbers.len()));
     }
+    if rows.len() > MOST_ROWS {
+        return Err(format!("{name} has {} points; at most {MOST_ROWS} are read", rows.len()));
+    }
     if !rows.is_sorted_by(|a, b| a[0] <= b[0]) {
         return Err(format!("values in {name} do not ascend"));
     }
     let (first, last) = (rows[0][0], rows[rows.len() - 1][0]);
-    // Halved, so that the widest range does not overflow.
-    let place = |value: f64| if last > first { (0.5 * value - 0.5 * first) / (0.5 * last - 0.5 * first) } else { 0.0 };
+    let place = |value: f64| if last > first { fraction(value, first, last) } else { 0.0 };
     Ok(rows.iter().map(|row| [place(row[0]), row[1], row[2], row[3]]).collect())
 }
 

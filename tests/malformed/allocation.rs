@@ -1,0 +1,73 @@
+//! An allocator that counts: how much a reader held at most, and a refusal of what no reader may ask for.
+#![expect(unsafe_code, reason = "a global allocator is unsafe to implement; this one hands everything to the system's")]
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
+/// A single request beyond this is refused, as a system under a memory limit would: code that copes gives an error, all
+/// other code aborts.
+pub(crate) const LARGEST_REQUEST: usize = 4 << 30;
+
+static HELD: AtomicUsize = AtomicUsize::new(0);
+static PEAK: AtomicUsize = AtomicUsize::new(0);
+
+struct Counting;
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn add(bytes: usize) {
+    let held = HELD.fetch_add(bytes, Relaxed) + bytes;
+    PEAK.fetch_max(held, Relaxed);
+}
+
+/// Runs `request` of `bytes` if it is not too large; what comes back is counted.
+fn ask(bytes: usize, request: impl FnOnce() -> *mut u8) -> *mut u8 {
+    if bytes > LARGEST_REQUEST {
+        // If this is fatal, the harness has to say with which input.
+        crate::harness::save_before_abort();
+        return std::ptr::null_mut();
+    }
+    let start = request();
+    if !start.is_null() {
+        add(bytes);
+    }
+    start
+}
+
+// SAFETY: every call goes to the system's allocator with the arguments that came, or returns null, which the trait
+// allows; counting allocates nothing.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        // SAFETY: the caller's obligations are those of `System`.
+        ask(layout.size(), || unsafe { System.alloc(layout) })
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        // SAFETY: as above.
+        ask(layout.size(), || unsafe { System.alloc_zeroed(layout) })
+    }
+
+    unsafe fn realloc(&self, start: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        // SAFETY: as above. While it moves, old and new are both held, which the peak is to show.
+        let moved = ask(size, || unsafe { System.realloc(start, layout, size) });
+        if !moved.is_null() {
+            HELD.fetch_sub(layout.size(), Relaxed);
+        }
+        moved
+    }
+
+    unsafe fn dealloc(&self, start: *mut u8, layout: Layout) {
+        HELD.fetch_sub(layout.size(), Relaxed);
+        // SAFETY: as above.
+        unsafe { System.dealloc(start, layout) }
+    }
+}
+
+/// The result of `run`, and the most bytes held while it ran beyond those held before.
+pub(crate) fn peak_of<T>(run: impl FnOnce() -> T) -> (T, usize) {
+    let before = HELD.load(Relaxed);
+    PEAK.store(before, Relaxed);
+    let result = run();
+    (result, PEAK.load(Relaxed).saturating_sub(before))
+}

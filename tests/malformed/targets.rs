@@ -1,0 +1,201 @@
+//! The table of readers.
+
+use std::path::Path;
+
+use cellfan::columns::Dataset;
+use cellfan::io::{self, UnstructuredMesh};
+use cellfan::optics::presets::{self, OpacityProfile};
+use cellfan::{Camera, FieldSelection, RenderOptions, Renderer, Scene, TransferFunction};
+
+use crate::seeds::{self, Seeds};
+
+/// A reader under test.
+pub(crate) struct Target {
+    pub(crate) name: &'static str,
+    /// Small good files.
+    pub(crate) seeds: fn() -> Seeds,
+    /// Reads, and uses what was read; the error's message where it is refused. What it asserts is a failure too.
+    pub(crate) read: fn(&[u8]) -> Result<(), String>,
+    /// Words of the format, which mutations put in.
+    pub(crate) words: &'static [&'static str],
+    pub(crate) limits: Limits,
+    /// Whether seeds may be files that are refused.
+    pub(crate) refuses_seeds: bool,
+}
+
+/// What reading an input may take.
+pub(crate) struct Limits {
+    /// Bytes held for a byte of input …
+    times: usize,
+    /// … and beyond that.
+    mebibytes: usize,
+    pub(crate) millis: u64,
+}
+
+impl Limits {
+    pub(crate) fn bytes(&self, input: usize) -> usize {
+        self.times * input + (self.mebibytes << 20)
+    }
+}
+
+/// The least that any compressed file may expand to is 4 MiB, of which each byte may take 50; two threads decode a block
+/// of LZMA each, which may take 80 MiB (docs/robustness.md).
+const XML: Limits = Limits { times: 128, mebibytes: 4 * 50 + 2 * 80, millis: 2000 };
+const TEXT: Limits = Limits { times: 64, mebibytes: 1, millis: 1000 };
+/// A map of the most points is sampled at 70,000 places.
+const MAP: Limits = Limits { mebibytes: 48, ..TEXT };
+
+/// Tables and bins of a frame.
+const PICTURE: Limits = Limits { mebibytes: 32, ..TEXT };
+
+/// A small picture is drawn of what is read.
+const CONTAINER: Limits = Limits { mebibytes: 64, millis: 2000, ..TEXT };
+
+/// All readers. One line each: name, seeds, what reads, words, limits.
+pub(crate) const TARGETS: &[Target] = &[
+    target("vtu", seeds::vtu, |bytes| mesh(io::read_vtu(bytes, Path::new("a.vtu"))), seeds::XML_WORDS, XML),
+    target(
+        "pvtu",
+        seeds::pvtu,
+        |bytes| mesh(io::read_pvtu(bytes, &seeds::pieces().join("a.pvtu"))),
+        seeds::XML_WORDS,
+        XML,
+    ),
+    target("vtk", seeds::vtk, |bytes| mesh(io::read_vtk(bytes, Path::new("a.vtk"))), seeds::VTK_WORDS, TEXT),
+    target("transfer-json", seeds::transfer_json, |bytes| transfer(bytes, "json"), seeds::JSON_WORDS, TEXT),
+    target("transfer-csv", seeds::transfer_csv, |bytes| transfer(bytes, "csv"), seeds::CSV_WORDS, TEXT),
+    target("paraview", seeds::paraview, |bytes| transfer(bytes, "json"), seeds::JSON_WORDS, MAP),
+    target("camera", seeds::camera, camera, seeds::JSON_WORDS, TEXT),
+    target("container", seeds::container, container, seeds::JSON_WORDS, CONTAINER),
+    Target { refuses_seeds: true, ..target("draw", seeds::vtk, draw, seeds::VTK_WORDS, PICTURE) },
+    Target { refuses_seeds: true, ..target("open", seeds::real, through_a_file, seeds::VTK_WORDS, XML) },
+];
+
+/// The reader of that name.
+pub(crate) fn named(name: &str) -> &'static Target {
+    TARGETS.iter().find(|target| target.name == name).unwrap_or_else(|| panic!("no reader {name:?}"))
+}
+
+const fn target(
+    name: &'static str,
+    seeds: fn() -> Seeds,
+    read: fn(&[u8]) -> Result<(), String>,
+    words: &'static [&'static str],
+    limits: Limits,
+) -> Target {
+    Target { name, seeds, read, words, limits, refuses_seeds: false }
+}
+
+fn mesh(read: cellfan::Result<UnstructuredMesh>) -> Result<(), String> {
+    let mesh = read.map_err(|error| error.to_string())?;
+    // A mesh that cannot be drawn was still read.
+    if let Ok(dataset) = mesh.into_dataset() {
+        check(&dataset);
+    }
+    Ok(())
+}
+
+/// What every stage takes for granted.
+fn check(dataset: &Dataset) {
+    let points = dataset.positions.len();
+    assert!(dataset.tets.iter().flatten().all(|vertex| (vertex as usize) < points), "an index beyond the points");
+    let finite = |position: &[f32; 3]| position.iter().all(|c| c.is_finite());
+    assert!(dataset.positions.iter().all(finite), "a position that is not finite");
+    assert!(dataset.bounds.diagonal_world().is_finite() && dataset.origin.is_finite(), "bounds that are not finite");
+    for array in &dataset.arrays {
+        let tuples = array.values.len() / array.components;
+        assert_eq!(tuples * array.components, array.values.len(), "array {:?}", array.name);
+        assert!(!array.name.contains(char::is_control), "array {:?}", array.name);
+    }
+}
+
+fn transfer(bytes: &[u8], extension: &str) -> Result<(), String> {
+    let text = String::from_utf8_lossy(bytes);
+    let transfer = TransferFunction::parse(&text, extension, 0.01, (-1.0, 3.0)).map_err(|error| error.to_string())?;
+    let pieces = transfer.pieces(0.5);
+    for piece in pieces.as_slice() {
+        assert!(piece.extinction.is_finite() && piece.color.iter().all(|c| c.is_finite()), "{piece:?}");
+    }
+    for value in [f64::MIN, -1.0, 0.0, 0.3, f64::MAX] {
+        let at = transfer.eval(value);
+        assert!(at.extinction >= 0.0 && at.extinction.is_finite(), "{at:?}");
+        assert!(pieces.piece_of(value as f32) < pieces.len(), "no piece for {value}");
+    }
+    Ok(())
+}
+
+fn camera(bytes: &[u8]) -> Result<(), String> {
+    let camera = Camera::from_json(&String::from_utf8_lossy(bytes)).map_err(|error| error.to_string())?;
+    let frame = camera.frame().map_err(|error| error.to_string())?;
+    for (x, y) in [(0.0, 0.0), (f64::from(camera.width) - 1.0, f64::from(camera.height) - 1.0)] {
+        let ray = frame.ray(x, y);
+        assert!(ray.origin.is_finite() && ray.direction.is_finite(), "{ray:?}");
+        assert!(ray.direction.length() > 0.0, "{ray:?}");
+        let pixel = frame.pixel(ray.origin + ray.direction * camera.eye.distance(camera.target));
+        assert!(pixel.is_finite(), "{pixel:?} of {ray:?}");
+    }
+    Ok(())
+}
+
+/// What can be read can be drawn.
+fn draw(bytes: &[u8]) -> Result<(), String> {
+    let message = |error: cellfan::Error| error.to_string();
+    draw_dataset(io::read_vtk(bytes, Path::new("a.vtk")).and_then(UnstructuredMesh::into_dataset).map_err(message)?)
+}
+
+fn draw_dataset(dataset: Dataset) -> Result<(), String> {
+    let message = |error: cellfan::Error| error.to_string();
+    let array = dataset.arrays.first().map(|array| FieldSelection::parse(&array.name, &dataset.arrays));
+    let field =
+        array.map_or_else(|| Ok(dataset.homogeneous_field()), |array| dataset.field(&array)).map_err(message)?;
+    let (range, distance) = (field.range, dataset.diagonal_world() / 100.0);
+    let transfer = presets::preset("viridis", range, OpacityProfile::default(), distance).map_err(message)?;
+    let camera = Camera::framing(&dataset.corners_world(), 35.0, 20.0, 24, 17);
+    let scene = Scene::new(dataset, field, &transfer);
+    // Not that every pixel is finite: the lengths in a mesh of 1e38 across are not.
+    Renderer::new(RenderOptions::default()).render(&scene, &camera).map(drop).map_err(message)
+}
+
+/// A container read whole, drawn, and checked; every other one vouches for its length and directory, so that what lies behind
+/// these is reached.
+fn container(bytes: &[u8]) -> Result<(), String> {
+    let message = |error: cellfan::Error| error.to_string();
+    let mut bytes = bytes.to_vec();
+    if bytes.iter().fold(0_u8, |sum, &byte| sum.wrapping_add(byte)) % 2 == 0 {
+        vouch(&mut bytes);
+    }
+    let path = seeds::pieces().join("any.cells");
+    let _ = std::fs::remove_file(&path);
+    std::fs::write(&path, bytes).unwrap();
+    let checked = io::container::check(&path, false);
+    let dataset = io::container::open(&path, false).map_err(message)?;
+    if checked.is_ok() {
+        check(&dataset);
+    }
+    for array in &dataset.arrays {
+        let field = dataset.field(&FieldSelection::parse(&array.name, &dataset.arrays));
+        assert!(field.is_err() || field.is_ok_and(|field| !field.values.is_empty()));
+    }
+    draw_dataset(dataset)
+}
+
+/// Makes header and directory agree.
+fn vouch(bytes: &mut [u8]) {
+    let len = bytes.len();
+    let word = |bytes: &[u8], at: usize| Some(u64::from_le_bytes(bytes.get(at..at + 8)?.try_into().ok()?) as usize);
+    let (Some(offset), true) = (word(bytes, 24), len >= 64) else { return };
+    let Some(directory) = bytes.get(offset..) else { return };
+    let checksum = twox_hash::XxHash3_64::oneshot(directory);
+    for (at, value) in [(16, len as u64), (32, (len - offset) as u64), (40, checksum)] {
+        bytes[at..at + 8].copy_from_slice(&value.to_le_bytes());
+    }
+}
+
+/// As the program reads: format by content, then extension.
+fn through_a_file(bytes: &[u8]) -> Result<(), String> {
+    let path = seeds::pieces().join("any.vtk");
+    // Some file systems wait for the disk where a file is written over.
+    let _ = std::fs::remove_file(&path);
+    std::fs::write(&path, bytes).unwrap();
+    io::open(&path).map(|dataset| check(&dataset)).map_err(|error| error.to_string())
+}
