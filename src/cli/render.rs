@@ -47,6 +47,7 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
     // The arrays are not needed any more.
     let scene = Scene::new(Dataset { arrays: Vec::new(), ..dataset }, field, &transfer);
     before.add("field", start.elapsed(), 0);
+    before.sample_memory();
 
     let mut renderer = Renderer::new(options);
     let mut after = Profile::default();
@@ -64,6 +65,7 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
             let start = Instant::now();
             pictures.push(&rendered.image)?;
             after.add("write", start.elapsed(), 0);
+            after.sample_memory();
             frames.add(rendered, options.model);
             progress.step();
         }
@@ -85,6 +87,7 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         adapter: None,
         threads: rayon::current_num_threads(),
         peak_rss_bytes: peak_rss_bytes(),
+        memory_bytes: options.memory_bytes,
     };
     summary.say(&stats);
     if frames.are_blank {
@@ -129,7 +132,10 @@ fn read(path: &Path, profile: &mut Profile) -> cellfan::Result<Dataset> {
     let mesh = io::open_mesh(path)?;
     let bytes = path.metadata().map_or(0, |file| file.len());
     profile.add("read", start.elapsed(), bytes);
-    profile.time("order", || mesh.into_dataset()).map_err(|error| error.in_file(path))
+    profile.sample_memory();
+    let dataset = profile.time("order", || mesh.into_dataset()).map_err(|error| error.in_file(path));
+    profile.sample_memory();
+    dataset
 }
 
 /// This version draws one mesh.
@@ -153,6 +159,10 @@ fn options(arguments: &Arguments) -> cellfan::Result<RenderOptions> {
         let problem = "exact needs --cpu-method footprints; with fans say --sort power".to_owned();
         return Err(Error::Option { option: "--sort", problem });
     }
+    if arguments.memory.is_some() && (arguments.cpu_method == CpuMethod::Fans || arguments.check_order) {
+        let problem = "--cpu-method fans and --check-order take all cells at once and keep no budget".to_owned();
+        return Err(Error::Option { option: "--memory", problem });
+    }
     Ok(RenderOptions {
         model: arguments.model,
         integral: arguments.integral,
@@ -160,6 +170,7 @@ fn options(arguments: &Arguments) -> cellfan::Result<RenderOptions> {
         stop_transmittance: arguments.stop,
         cpu_method: arguments.cpu_method,
         check_order: arguments.check_order,
+        memory_bytes: arguments.memory,
         ..RenderOptions::default()
     })
 }

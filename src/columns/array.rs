@@ -44,6 +44,11 @@ macro_rules! numeric_column {
                 match self { $(Self::$variant(_) => stringify!($type)),* }
             }
 
+            /// Bytes of memory that the values take; none where they are used in place.
+            pub fn owned_bytes(&self) -> u64 {
+                match self { $(Self::$variant(values) => values.owned_bytes()),* }
+            }
+
             /// Value `i`, widened.
             ///
             /// # Panics

@@ -127,6 +127,17 @@ impl Dataset {
         self.bounds.corners().map(|corner| self.origin + corner.as_dvec3())
     }
 
+    /// Bytes of memory that the mesh takes; columns that are used in place, as those of a mapped file, count nothing.
+    pub fn owned_bytes(&self) -> u64 {
+        let columns = self.positions.owned_bytes()
+            + self.tets.owned_bytes()
+            + self.positive.owned_bytes()
+            + self.file_from_vertex.owned_bytes()
+            + self.file_from_cell.owned_bytes();
+        let arrays: u64 = self.arrays.iter().map(|array| array.values.owned_bytes()).sum();
+        columns + arrays + size_of_val(&self.blocks[..]) as u64
+    }
+
     /// The cells of block `block`, as slices.
     ///
     /// # Panics

@@ -56,7 +56,7 @@ fn a_block_that_is_missed_covers_no_pixel() {
         for (cell, tet) in dataset.tets.iter().enumerate() {
             let position = |v: u32| Vec3::from_array(dataset.positions[v as usize]);
             let bounds = tet.iter().fold(Bounds::EMPTY, |bounds, &v| bounds.include(position(v)));
-            if boxes.misses(bounds, view) {
+            if boxes.rows_of_bounds(bounds, view).is_none() {
                 missed += 1;
                 let p = corners(&dataset, &vertices, cell);
                 for (x, y) in (0..8).flat_map(|y| (0..8).map(move |x| (f64::from(x), f64::from(y)))) {
