@@ -5,7 +5,7 @@
 use std::time::Instant;
 
 use crate::backends::cpu::{FanCompositor, InstructionSet, TileCompositor};
-use crate::backends::{Counts, Frame};
+use crate::backends::{Counts, Frame, scene_bytes};
 use crate::camera::Camera;
 use crate::columns::{Dataset, Field};
 use crate::error::{Error, Result};
@@ -48,9 +48,8 @@ pub struct RenderOptions {
     pub cpu_method: CpuMethod,
     /// Count the neighbouring cells that the order puts the wrong way round.
     pub check_order: bool,
-    /// What the process may hold in bytes, mapped files aside: the mesh's own columns, field, picture and all that a frame
-    /// takes. A frame that would exceed it is drawn in bands, to the same picture; footprints only. Reading a file is
-    /// not part of it.
+    /// What scene, picture and all that a frame takes may hold in bytes, columns of mapped files aside. A frame that would
+    /// exceed it is drawn in bands, to the same picture. Footprints only.
     pub memory_bytes: Option<u64>,
     /// Draw with this instruction set where the processor has it; the picture is the same.
     pub instruction_set: Option<InstructionSet>,
@@ -98,6 +97,11 @@ impl Scene {
     /// The scalar field.
     pub fn field(&self) -> &Field {
         &self.field
+    }
+
+    /// Bytes of memory that the scene takes; columns that are used in place, as those of a mapped file, count nothing.
+    pub fn owned_bytes(&self) -> u64 {
+        scene_bytes(&self.dataset, &self.field, &self.vertices)
     }
 
     /// Shows the field with another transfer function.

@@ -3,6 +3,8 @@
 mod common;
 #[path = "cli/errors.rs"]
 mod errors;
+#[path = "cli/memory.rs"]
+mod memory;
 #[path = "cli/other_verbs.rs"]
 mod other_verbs;
 #[path = "cli/render.rs"]

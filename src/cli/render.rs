@@ -6,6 +6,8 @@
 mod arguments;
 mod array;
 mod automatic;
+mod heap;
+mod memory;
 mod pictures;
 mod summary;
 mod transfer;
@@ -19,6 +21,7 @@ use cellfan::profile::{Profile, Stats, peak_rss_bytes};
 use cellfan::{CpuMethod, Dataset, Error, Image, Model, RenderOptions, Rendered, Renderer, Scene, SortMethod, io};
 
 pub(super) use arguments::Arguments;
+use memory::Memory;
 use pictures::Pictures;
 use summary::Summary;
 use transfer::TransferSource;
@@ -37,19 +40,24 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
     let transfer = TransferSource::load(arguments)?;
     let view = ViewSource::load(arguments)?;
 
+    if arguments.memory.is_some() {
+        heap::give_back_early();
+    }
     let mut before = Profile::default();
-    let dataset = read(path, &mut before)?;
+    let mut dataset = read(path, &mut before)?;
     let start = Instant::now();
     let field = array::choose(&dataset, arguments.array.as_deref()).map_err(|error| error.in_file(path))?;
     let (transfer, transfer_note) = transfer.make(&dataset, &field, options.model)?;
     let (camera, view_note) = view.make(&dataset)?;
     let summary = Summary::new(path, &dataset, &field, &view_note, &transfer_note);
     // The arrays are not needed any more.
-    let scene = Scene::new(Dataset { arrays: Vec::new(), ..dataset }, field, &transfer);
+    dataset.arrays = Vec::new();
+    let scene = Scene::new(dataset, field, &transfer);
     before.add("field", start.elapsed(), 0);
     before.sample_memory();
 
-    let mut renderer = Renderer::new(options);
+    let memory = Memory::new(arguments.memory, &scene);
+    let mut renderer = Renderer::new(RenderOptions { memory_bytes: memory.of_frame()?, ..options });
     let mut after = Profile::default();
     let mut frames = Frames::default();
     let count = arguments.frames.unwrap_or(1);
@@ -61,7 +69,7 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         for frame in 0..count {
             let degrees = f64::from(frame) * arguments.orbit / f64::from(count);
             let camera = if frame == 0 { camera.clone() } else { camera.orbited(degrees) };
-            let rendered = renderer.render(&scene, &camera)?;
+            let rendered = renderer.render(&scene, &camera).map_err(|error| memory.in_process(error))?;
             let start = Instant::now();
             pictures.push(&rendered.image)?;
             after.add("write", start.elapsed(), 0);
@@ -87,7 +95,7 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         adapter: None,
         threads: rayon::current_num_threads(),
         peak_rss_bytes: peak_rss_bytes(),
-        memory_bytes: options.memory_bytes,
+        memory_bytes: arguments.memory,
     };
     summary.say(&stats);
     if frames.are_blank {
@@ -170,7 +178,6 @@ fn options(arguments: &Arguments) -> cellfan::Result<RenderOptions> {
         stop_transmittance: arguments.stop,
         cpu_method: arguments.cpu_method,
         check_order: arguments.check_order,
-        memory_bytes: arguments.memory,
         ..RenderOptions::default()
     })
 }

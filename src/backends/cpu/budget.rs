@@ -5,13 +5,13 @@
 use super::bands::Census;
 use super::bins::LargeCell;
 use super::grid::TileGrid;
-use crate::backends::Frame;
+use crate::backends::{Frame, scene_bytes};
 use crate::error::{Error, Result};
+use crate::stages::ScreenVertex;
 use crate::stages::sort::radix::Pair;
-use crate::stages::{SceneVertex, ScreenVertex};
 
-/// The program itself, and what its allocator keeps: 3 MB were measured on a mesh of a hundred cells, and up to 5 more.
-const PROCESS: u64 = 8 << 20;
+/// What an allocator keeps beyond what it was asked for; chosen.
+const SLACK: u64 = 4 << 20;
 /// Stack, heap and kernel memory of a thread (a `Worker`: 0.4 MB), whatever it draws.
 const THREAD: u64 = 1 << 20;
 /// A pixel of the picture, and what encoding it takes: eight bits a channel twice.
@@ -46,14 +46,13 @@ const PAIR: u64 = size_of::<Pair>() as u64;
 
 /// What a frame takes before a cell is looked at.
 pub(super) fn fixed_bytes(frame: &Frame, threads: usize) -> u64 {
-    let field = size_of_val(&frame.field.values[..]) + size_of_val(&frame.field.block_ranges[..]);
-    let vertices = frame.vertices.len() * (size_of::<SceneVertex>() + size_of::<ScreenVertex>());
+    let screen = frame.vertices.len() * size_of::<ScreenVertex>();
     let [width, height] = frame.view.size_px.map(u64::from);
     let census = TileGrid::new(frame.view).len() * 4 + frame.dataset.blocks.len() * 16;
-    PROCESS
+    SLACK
         + THREAD * threads as u64
-        + frame.dataset.owned_bytes()
-        + (field + vertices + census) as u64
+        + scene_bytes(frame.dataset, frame.field, frame.vertices)
+        + (screen + census) as u64
         + PIXEL * width * height
 }
 
