@@ -62,15 +62,15 @@ impl Bins {
     pub(super) fn census(&mut self, projector: &Projector) -> Census {
         let grid = TileGrid::new(projector.frame.view);
         let pairs_from_tile: Vec<AtomicU32> = (0..grid.len()).map(|_| AtomicU32::new(0)).collect();
-        self.for_each_chunk(projector, |chunk, blocks| {
+        self.for_each_chunk(projector, |chunk, cells, blocks| {
             for block in blocks {
-                let Some(rows) = projector.rows(block, &mut chunk.counts) else {
+                let Some(rows) = projector.rows(block, &mut chunk.filled.counts) else {
                     chunk.rows_from_block.push(0..0);
                     continue;
                 };
                 chunk.rows_from_block.push(rows);
-                chunk.counts += chunk.cells.project(projector, &projector.frame.dataset.block(block));
-                for tiles in chunk.cells.tile_boxes() {
+                chunk.filled.counts += cells.project(projector, &projector.frame.dataset.block(block));
+                for tiles in cells.tile_boxes() {
                     if tiles.len() > MANY_TILES {
                         chunk.large_cells += 1;
                         continue;
@@ -115,17 +115,17 @@ impl Bins {
             pairs.resize(next, 0);
         }
         let out = as_atomic(&mut pairs);
-        self.for_each_chunk(projector, |chunk, blocks| {
+        self.for_each_chunk(projector, |chunk, cells, blocks| {
             for block in blocks {
                 let touched = &census.rows_from_block[block];
                 if touched.start >= rows.end || touched.end <= rows.start {
                     continue;
                 }
                 let block = projector.frame.dataset.block(block);
-                chunk.counts += chunk.cells.project(projector, &block);
-                chunk.cells.keep_rows(&rows);
+                chunk.filled.counts += cells.project(projector, &block);
+                cells.keep_rows(&rows);
                 let large = &mut chunk.large;
-                chunk.cells.for_each(projector, &block, |pair, tiles| {
+                cells.for_each(projector, &block, |pair, tiles| {
                     if tiles.len() > MANY_TILES {
                         large.push(LargeCell { pair, tiles });
                         return;

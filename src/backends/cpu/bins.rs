@@ -7,6 +7,7 @@
 
 use std::ops::Range;
 use std::sync::atomic::Ordering;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 
@@ -32,14 +33,13 @@ pub(super) struct LargeCell {
 /// One chunk's scratch, kept between frames.
 #[derive(Debug, Default)]
 pub(super) struct Chunk {
-    pub(super) cells: BlockCells,
     /// Cells in memory order, and the tiles of each.
     binned: Vec<Pair>,
     tiles_from_binned: Vec<SmallTileBox>,
     pub(super) large: Vec<LargeCell>,
     /// Pairs per tile, then where the chunk's next pair goes among those of the tile.
     places: Vec<u32>,
-    pub(super) counts: Counts,
+    pub(super) filled: Filled,
     /// For a census: how many large cells, and the rows of tiles that each block touches.
     pub(super) large_cells: u64,
     pub(super) rows_from_block: Vec<Range<u32>>,
@@ -58,6 +58,8 @@ pub(super) struct Bins {
     /// Whether the pairs of a tile stand in any order.
     pub(super) is_shuffled: bool,
     pub(super) chunks: Vec<Chunk>,
+    /// One per thread that ever filled at once.
+    blocks: Mutex<Vec<BlockCells>>,
 }
 
 /// What filling the bins found and took, in seconds of one thread: cull, footprints, sort keys.
@@ -72,11 +74,11 @@ impl Bins {
     pub(super) fn fill(&mut self, projector: &Projector) -> Filled {
         let grid = TileGrid::new(projector.frame.view);
         (self.grid, self.rows, self.is_shuffled) = (grid, 0..grid.rows, false);
-        self.for_each_chunk(projector, |chunk, blocks| {
+        self.for_each_chunk(projector, |chunk, cells, blocks| {
             chunk.places.clear();
             chunk.places.resize(grid.len(), 0);
             for block in blocks {
-                chunk.add_block(projector, grid, block);
+                chunk.add_block(projector, cells, grid, block);
             }
         });
         self.scan();
@@ -94,13 +96,20 @@ impl Bins {
     }
 
     /// Empties the chunks and runs `work` on each with its range of blocks, in parallel.
-    pub(super) fn for_each_chunk(&mut self, projector: &Projector, work: impl Fn(&mut Chunk, Range<usize>) + Sync) {
+    pub(super) fn for_each_chunk(
+        &mut self,
+        projector: &Projector,
+        work: impl Fn(&mut Chunk, &mut BlockCells, Range<usize>) + Sync,
+    ) {
         let blocks = projector.frame.dataset.blocks.len();
         let per_chunk = blocks.div_ceil(CHUNKS).max(1);
         self.chunks.resize_with(blocks.div_ceil(per_chunk), Chunk::default);
         self.chunks.par_iter_mut().enumerate().for_each(|(i, chunk)| {
             chunk.reset();
-            work(chunk, i * per_chunk..((i + 1) * per_chunk).min(blocks));
+            let mut cells = lock(&self.blocks).pop().unwrap_or_default();
+            work(chunk, &mut cells, i * per_chunk..((i + 1) * per_chunk).min(blocks));
+            chunk.filled.stage_secs = std::mem::take(&mut cells.stage_secs);
+            lock(&self.blocks).push(cells);
         });
     }
 
@@ -126,8 +135,8 @@ impl Bins {
         let mut filled = Filled::default();
         for chunk in &self.chunks {
             self.large.extend_from_slice(&chunk.large);
-            filled.counts += chunk.counts;
-            for (sum, secs) in filled.stage_secs.iter_mut().zip(chunk.cells.stage_secs) {
+            filled.counts += chunk.filled.counts;
+            for (sum, secs) in filled.stage_secs.iter_mut().zip(chunk.filled.stage_secs) {
                 *sum += secs;
             }
         }
@@ -148,6 +157,11 @@ impl Bins {
     }
 }
 
+/// A poisoned lock means that a thread panicked; what it took never came back, the rest is whole.
+pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 impl Chunk {
     fn reset(&mut self) {
         self.binned.clear();
@@ -155,17 +169,16 @@ impl Chunk {
         self.large.clear();
         self.large_cells = 0;
         self.rows_from_block.clear();
-        self.counts = Counts::default();
-        self.cells.stage_secs = [0.0; 3];
+        self.filled = Filled::default();
     }
 
-    fn add_block(&mut self, projector: &Projector, grid: TileGrid, block: usize) {
-        if projector.rows(block, &mut self.counts).is_none() {
+    fn add_block(&mut self, projector: &Projector, cells: &mut BlockCells, grid: TileGrid, block: usize) {
+        if projector.rows(block, &mut self.filled.counts).is_none() {
             return;
         }
-        let Self { cells, binned, tiles_from_binned, large, places, counts, .. } = self;
+        let Self { binned, tiles_from_binned, large, places, filled, .. } = self;
         let block = projector.frame.dataset.block(block);
-        *counts += cells.project(projector, &block);
+        filled.counts += cells.project(projector, &block);
         cells.for_each(projector, &block, |pair, tiles| {
             if tiles.len() > MANY_TILES {
                 large.push(LargeCell { pair, tiles });

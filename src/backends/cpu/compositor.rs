@@ -1,12 +1,12 @@
 //! The tile compositor: one frame from footprints.
 
 use std::ops::Range;
-use std::sync::{Mutex, PoisonError};
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-use super::bins::{Bins, Filled};
+use super::bins::{Bins, Filled, lock};
 use super::block::Projector;
 use super::budget::{self, Plan};
 use super::dispatch::{InstructionSet, Kernels};
@@ -127,8 +127,7 @@ impl TileCompositor {
         let width = image.width as usize;
         let pixels = pixels_of(rows, image);
         let tiles = Mutex::new(TileSource::new(&mut image.pixels[pixels], width, grid.tiles(rows).start));
-        // A poisoned lock means that a thread panicked; the tiles that are left are whole.
-        let next = || tiles.lock().unwrap_or_else(PoisonError::into_inner).next();
+        let next = || lock(&tiles).next();
         let kernels = Kernels::new(self.instruction_set);
         let task = TileTask { frame, optics, bins: &self.bins, kernels, plan };
         let workers = self.workers.par_iter_mut().with_max_len(1);

@@ -97,7 +97,7 @@ impl PixelBoxes {
         // A vertex and the corners of its block are rounded on their own. That is a small part of a pixel unless the block
         // comes near to the eye, where a thousandth of its distance shifts a vertex by a pixel: then any row may be touched.
         let reach = positions.iter().fold(0.0, |far: f32, &p| far.max(p.distance(view.eye.as_vec3())));
-        let is_near = nearest < 1.001 * self.near || (view.is_perspective && nearest < 1e-3 * reach);
+        let is_near = nearest < self.near + 1e-5 * reach || (view.is_perspective && nearest < 1e-3 * reach);
         Some(if is_near { whole } else { rows.y0.saturating_sub(1)..(rows.y1 + 1).min(whole.end) })
     }
 
