@@ -99,7 +99,7 @@ impl BlockCells {
     pub(super) fn keep_rows(&mut self, rows: &Range<u32>) {
         let mut kept = 0;
         for i in 0..self.boxes.len() {
-            if TileBox::around(&self.boxes[i]).touches_rows(rows) {
+            if TileBox::around(self.boxes[i]).touches_rows(rows) {
                 (self.boxes[kept], self.cell_from_projected[kept]) = (self.boxes[i], self.cell_from_projected[i]);
                 kept += 1;
             }
@@ -110,7 +110,7 @@ impl BlockCells {
 
     /// The tiles that each cell touches.
     pub(super) fn tile_boxes(&self) -> impl Iterator<Item = TileBox> {
-        self.boxes.iter().map(TileBox::around)
+        self.boxes.iter().copied().map(TileBox::around)
     }
 
     /// Computes the keys and gives each cell with its pair and its tiles to `place`.
@@ -120,7 +120,7 @@ impl BlockCells {
         projector.keys.keys(block, projector.frame.vertices, &self.cell_from_projected, &mut self.key_from_projected);
         let keyed = Instant::now();
         for ((&cell, &key), area) in self.cell_from_projected.iter().zip(&self.key_from_projected).zip(&self.boxes) {
-            place(pair(key, (block.base + cell as usize) as u32), TileBox::around(area));
+            place(pair(key, (block.base + cell as usize) as u32), TileBox::around(*area));
         }
         self.stage_secs[2] += (keyed - start).as_secs_f64();
         self.stage_secs[1] += keyed.elapsed().as_secs_f64();

@@ -50,7 +50,7 @@ pub(super) struct TileBox {
 impl TileBox {
     /// The tiles that a box of pixels touches.
     #[inline]
-    pub(super) fn around(pixels: &PixelBox) -> Self {
+    pub(super) fn around(pixels: PixelBox) -> Self {
         let side = TILE as u16;
         Self { x0: pixels.x0 / side, x1: pixels.x1.div_ceil(side), y0: pixels.y0 / side, y1: pixels.y1.div_ceil(side) }
     }

@@ -1,11 +1,7 @@
 //! Portions: which blocks of a tile are collected at once, so that their fragments fit.
 //!
 //! In: blocks, a bit each, and how many fragments fit. Out: groups of blocks, none with more; or the block that has more alone.
-#![expect(
-    clippy::inline_always,
-    clippy::needless_range_loop,
-    reason = "kernels must inline into the function compiled for wider vectors, and their loops over lanes become vector code"
-)]
+#![expect(clippy::inline_always, reason = "kernels must inline into the function compiled for wider vectors")]
 
 use super::compress::Compress;
 use super::sink::{Fragments, Sink};

@@ -9,20 +9,20 @@ use cellfan::{Error, Result, Scene};
 /// Taken for the rest of the process where the system does not tell.
 const UNKNOWN_REST: u64 = 8 << 20;
 
-/// A budget, if there is one, and what of it is taken already.
+/// A budget, if there is one, and what of it is taken already; in bytes.
 #[derive(Clone, Copy)]
 pub(super) struct Memory {
-    budget_bytes: Option<u64>,
-    scene_bytes: u64,
-    rest_bytes: u64,
+    budget: Option<u64>,
+    scene: u64,
+    rest: u64,
 }
 
 impl Memory {
-    /// Measures; `budget_bytes` is for the whole process, mapped files aside.
-    pub(super) fn new(budget_bytes: Option<u64>, scene: &Scene) -> Self {
-        let scene_bytes = scene.owned_bytes();
-        let rest_bytes = anonymous_bytes().map_or(UNKNOWN_REST, |held| held.saturating_sub(scene_bytes));
-        Self { budget_bytes, scene_bytes, rest_bytes }
+    /// Measures; the budget is for the whole process, mapped files aside.
+    pub(super) fn new(budget: Option<u64>, scene: &Scene) -> Self {
+        let scene = scene.owned_bytes();
+        let rest = anonymous_bytes().map_or(UNKNOWN_REST, |held| held.saturating_sub(scene));
+        Self { budget, scene, rest }
     }
 
     /// The budget of scene and frame.
@@ -30,21 +30,21 @@ impl Memory {
     /// # Errors
     /// [`Error::Memory`] where the scene alone exceeds it.
     pub(super) fn of_frame(self) -> Result<Option<u64>> {
-        let Some(budget_bytes) = self.budget_bytes else { return Ok(None) };
-        let needed_bytes = self.scene_bytes + self.rest_bytes;
+        let Some(budget_bytes) = self.budget else { return Ok(None) };
+        let needed_bytes = self.scene + self.rest;
         if budget_bytes < needed_bytes {
             let (what, advice) = ("the mesh in memory, before a frame is drawn,", "a smaller mesh");
             return Err(Error::Memory { budget_bytes, needed_bytes, what, advice });
         }
-        Ok(Some(budget_bytes - self.rest_bytes))
+        Ok(Some(budget_bytes - self.rest))
     }
 
     /// An error of the library in terms of the whole process.
     pub(super) fn in_process(self, error: Error) -> Error {
         match error {
             Error::Memory { budget_bytes, needed_bytes, what, advice } => Error::Memory {
-                budget_bytes: budget_bytes + self.rest_bytes,
-                needed_bytes: needed_bytes + self.rest_bytes,
+                budget_bytes: budget_bytes + self.rest,
+                needed_bytes: needed_bytes + self.rest,
                 what,
                 advice,
             },
