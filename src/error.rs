@@ -233,6 +233,21 @@ pub enum Error {
         other_size: (u32, u32),
     },
 
+    /// The memory budget is too small for the frame.
+    #[error(
+        "--memory: {budget_bytes} bytes are not enough: {what} takes {needed_bytes}; give that much, or draw {advice}"
+    )]
+    Memory {
+        /// The budget.
+        budget_bytes: u64,
+        /// What would do for `what`.
+        needed_bytes: u64,
+        /// What does not fit.
+        what: &'static str,
+        /// What takes less.
+        advice: &'static str,
+    },
+
     /// No device can run what was asked for.
     #[error("no usable device: {problem}")]
     NoDevice {

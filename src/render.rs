@@ -5,7 +5,7 @@
 use std::time::Instant;
 
 use crate::backends::cpu::{FanCompositor, InstructionSet, TileCompositor};
-use crate::backends::{Counts, Frame};
+use crate::backends::{Counts, Frame, scene_bytes};
 use crate::camera::Camera;
 use crate::columns::{Dataset, Field};
 use crate::error::{Error, Result};
@@ -49,6 +49,9 @@ pub struct RenderOptions {
     pub cpu_method: CpuMethod,
     /// Count the neighbouring cells that the order puts the wrong way round.
     pub check_order: bool,
+    /// What scene, picture and all that a frame takes may hold in bytes, columns of mapped files aside. A frame that would
+    /// exceed it is drawn in bands, to the same picture. Footprints only.
+    pub memory_bytes: Option<u64>,
     /// Draw with this instruction set where the processor has it; the picture is the same.
     pub instruction_set: Option<InstructionSet>,
 }
@@ -62,6 +65,7 @@ impl Default for RenderOptions {
             stop_transmittance: 1e-5,
             cpu_method: CpuMethod::Footprints,
             check_order: false,
+            memory_bytes: None,
             instruction_set: None,
         }
     }
@@ -94,6 +98,11 @@ impl Scene {
     /// The scalar field.
     pub fn field(&self) -> &Field {
         &self.field
+    }
+
+    /// Bytes of memory that the scene takes; columns that are used in place, as those of a mapped file, count nothing.
+    pub fn owned_bytes(&self) -> u64 {
+        scene_bytes(&self.dataset, &self.field, &self.vertices)
     }
 
     /// Shows the field with another transfer function.
@@ -168,8 +177,9 @@ impl Renderer {
     /// Draws one frame.
     ///
     /// # Errors
-    /// [`Error::Camera`] where the camera is not valid, [`Error::Option`] where the options are not, [`Error::Changed`] where a
-    /// file that is used in place has changed, [`Error::OutOfMemory`] where the picture is too large for it.
+    /// [`Error::Camera`] where the camera is not valid, [`Error::Option`] where the options are not, [`Error::Memory`] where the
+    /// memory budget is too small, [`Error::OutOfMemory`] where the picture is too large for the system's, [`Error::Changed`] where a
+    /// file that is used in place has changed.
     pub fn render(&mut self, scene: &Scene, camera: &Camera) -> Result<Rendered> {
         let options = self.options;
         if !(0.0..1.0).contains(&options.stop_transmittance) {
@@ -179,6 +189,10 @@ impl Renderer {
         if options.sort == SortMethod::Exact && options.cpu_method == CpuMethod::Fans {
             let problem = "exact checks every fragment, which fans do not; use footprints, or power".to_owned();
             return Err(Error::Option { option: "--sort", problem });
+        }
+        if options.memory_bytes.is_some() && (options.cpu_method == CpuMethod::Fans || options.check_order) {
+            let problem = "fans and --check-order take all cells at once and keep no budget; leave one of both out";
+            return Err(Error::Option { option: "--memory", problem: problem.to_owned() });
         }
         if let Some(backing) = &scene.dataset.backing {
             backing.check()?;
@@ -197,6 +211,7 @@ impl Renderer {
             sort_key: self.sort_key(scene),
             is_exact: matches!(options.sort, SortMethod::Auto | SortMethod::Exact),
             stop_transmittance: options.stop_transmittance,
+            memory_bytes: options.memory_bytes,
         };
         let mut profile = Profile::default();
         let (image, counts) = self.draw(&frame, &mut profile)?;
@@ -233,7 +248,7 @@ impl Renderer {
     fn draw(&mut self, frame: &Frame, profile: &mut Profile) -> Result<(Image, Counts)> {
         let pieces = frame.pieces;
         let RenderOptions { model, integral, .. } = self.options;
-        Ok(match (model, integral) {
+        match (model, integral) {
             (Model::Mip, _) => self.draw_with(frame, &Mip { pieces }, profile),
             (Model::Absorption, _) => self.draw_with(frame, &Absorption { pieces }, profile),
             (Model::Emission, _) => self.draw_with(frame, &Emission { pieces }, profile),
@@ -245,13 +260,13 @@ impl Renderer {
                 let textured = Textured::new(pieces, frame.dataset.diagonal_world())?;
                 self.draw_with(frame, &textured, profile)
             }
-        })
+        }
     }
 
-    fn draw_with<O: Optics>(&mut self, frame: &Frame, optics: &O, profile: &mut Profile) -> (Image, Counts) {
+    fn draw_with<O: Optics>(&mut self, frame: &Frame, optics: &O, profile: &mut Profile) -> Result<(Image, Counts)> {
         match self.options.cpu_method {
             CpuMethod::Footprints => self.tiles.draw(frame, optics, profile),
-            CpuMethod::Fans => self.fans.draw(frame, optics, profile),
+            CpuMethod::Fans => Ok(self.fans.draw(frame, optics, profile)),
         }
     }
 

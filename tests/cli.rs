@@ -7,6 +7,8 @@ mod container;
 mod errors;
 #[path = "cli/interrupted.rs"]
 mod interrupted;
+#[path = "cli/memory.rs"]
+mod memory;
 #[path = "cli/other_verbs.rs"]
 mod other_verbs;
 #[path = "cli/render.rs"]

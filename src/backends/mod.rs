@@ -25,12 +25,20 @@ pub struct Frame<'a> {
     pub cull_table: &'a CullTable,
     /// The camera.
     pub view: &'a View,
-    /// What cells are sorted by, where the optical model asks for an order.
+    /// What cells are sorted by; nothing where the optical model asks for no order.
     pub sort_key: SortKey,
     /// Whether fragments found out of order are put right; otherwise they are only counted.
     pub is_exact: bool,
     /// A ray ends below this transmittance; 0 never ends one.
     pub stop_transmittance: f32,
+    /// What scene and frame may hold, mapped files aside; `None` for any amount.
+    pub memory_bytes: Option<u64>,
+}
+
+/// Bytes of memory that a scene takes; columns that are used in place count nothing.
+pub fn scene_bytes(dataset: &Dataset, field: &Field, vertices: &[SceneVertex]) -> u64 {
+    let field = size_of_val(&field.values[..]) + size_of_val(&field.block_ranges[..]);
+    dataset.owned_bytes() + (field + size_of_val(vertices)) as u64
 }
 
 impl<'a> Frame<'a> {

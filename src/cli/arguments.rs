@@ -2,6 +2,7 @@
 
 use std::str::FromStr;
 
+use bytesize::ByteSize;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 /// `N` numbers with commas between them.
@@ -52,6 +53,12 @@ pub(super) fn length(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|&length: &f64| length.is_finite() && length > 0.0).ok_or_else(|| expected.to_owned())
 }
 
+/// A number of bytes, such as `300M` or `1.5Gi`.
+pub(super) fn bytes(text: &str) -> Result<u64, String> {
+    let expected = "expected a number of bytes, with k, M, G for powers of 1000 or Ki, Mi, Gi for powers of 1024";
+    text.parse().map(|bytes: ByteSize| bytes.as_u64()).map_err(|_| expected.to_owned())
+}
+
 /// A finite number.
 pub(super) fn finite(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| "expected a number".to_owned())
@@ -98,6 +105,16 @@ mod tests {
         }
         for bad in ["", "64", "0x5", "5x0", "64x32769", "-1x5", "5 x 5", "5x5x5"] {
             assert!(size(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn bytes_with_their_units() {
+        assert_eq!((bytes("4096"), bytes("20k"), bytes("1.5M")), (Ok(4096), Ok(20_000), Ok(1_500_000)));
+        assert_eq!((bytes("2G"), bytes("2Gi"), bytes("3 MiB")), (Ok(2_000_000_000), Ok(2 << 30), Ok(3 << 20)));
+        assert_eq!((bytes("1Ki"), bytes("1KB"), bytes("0")), (Ok(1024), Ok(1000), Ok(0)));
+        for bad in ["", "-1", "M", "1X", "nan", "1 2"] {
+            assert!(bytes(bad).is_err(), "{bad}");
         }
     }
 

@@ -6,6 +6,8 @@
 mod arguments;
 mod array;
 mod automatic;
+mod heap;
+mod memory;
 mod pictures;
 mod summary;
 mod transfer;
@@ -20,6 +22,7 @@ use cellfan::profile::{Profile, Stats, peak_rss_bytes};
 use cellfan::{CpuMethod, Dataset, Error, Image, Model, RenderOptions, Rendered, Renderer, Scene, SortMethod, io};
 
 pub(super) use arguments::Arguments;
+use memory::Memory;
 use pictures::Pictures;
 use summary::Summary;
 use transfer::TransferSource;
@@ -38,18 +41,24 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
     let transfer = TransferSource::load(arguments)?;
     let view = ViewSource::load(arguments)?;
 
+    if arguments.memory.is_some() {
+        heap::give_back_early();
+    }
     let mut before = Profile::default();
-    let dataset = read(path, !arguments.no_mmap, &mut before)?;
+    let mut dataset = read(path, !arguments.no_mmap, &mut before)?;
     let start = Instant::now();
     let field = array::choose(&dataset, arguments.array.as_deref()).map_err(|error| error.in_file(path))?;
     let (transfer, transfer_note) = transfer.make(&dataset, &field, options.model)?;
     let (camera, view_note) = view.make(&dataset)?;
     let summary = Summary::new(path, &dataset, &field, &view_note, &transfer_note);
     // The arrays are not needed any more.
-    let scene = Scene::new(Dataset { arrays: Vec::new(), ..dataset }, field, &transfer);
+    dataset.arrays = Vec::new();
+    let scene = Scene::new(dataset, field, &transfer);
     before.add("field", start.elapsed(), 0);
+    before.sample_memory();
 
-    let mut renderer = Renderer::new(options);
+    let memory = Memory::new(arguments.memory, &scene);
+    let mut renderer = Renderer::new(RenderOptions { memory_bytes: memory.of_frame()?, ..options });
     let mut after = Profile::default();
     let mut frames = Frames::default();
     let count = arguments.frames.unwrap_or(1);
@@ -61,10 +70,11 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         for frame in 0..count {
             let degrees = f64::from(frame) * arguments.orbit / f64::from(count);
             let camera = if frame == 0 { camera.clone() } else { camera.orbited(degrees) };
-            let rendered = renderer.render(&scene, &camera)?;
+            let rendered = renderer.render(&scene, &camera).map_err(|error| memory.in_process(error))?;
             let start = Instant::now();
             pictures.push(&rendered.image)?;
             after.add("write", start.elapsed(), 0);
+            after.sample_memory();
             frames.add(rendered, options.model);
             progress.step();
         }
@@ -86,6 +96,7 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         adapter: None,
         threads: rayon::current_num_threads(),
         peak_rss_bytes: peak_rss_bytes(),
+        memory_bytes: arguments.memory,
     };
     summary.say(&stats);
     if frames.are_blank {
@@ -135,7 +146,10 @@ fn read(path: &Path, use_map: bool, profile: &mut Profile) -> cellfan::Result<Da
     let mesh = io::open_mesh(path)?;
     let bytes = path.metadata().map_or(0, |file| file.len());
     profile.add("read", start.elapsed(), bytes);
-    profile.time("order", || mesh.into_dataset()).map_err(|error| error.in_file(path))
+    profile.sample_memory();
+    let dataset = profile.time("order", || mesh.into_dataset()).map_err(|error| error.in_file(path));
+    profile.sample_memory();
+    dataset
 }
 
 /// This version draws one mesh.
@@ -158,6 +172,10 @@ fn options(arguments: &Arguments) -> cellfan::Result<RenderOptions> {
     if arguments.sort == SortMethod::Exact && arguments.cpu_method == CpuMethod::Fans {
         let problem = "exact needs --cpu-method footprints; with fans say --sort power".to_owned();
         return Err(Error::Option { option: "--sort", problem });
+    }
+    if arguments.memory.is_some() && (arguments.cpu_method == CpuMethod::Fans || arguments.check_order) {
+        let problem = "--cpu-method fans and --check-order take all cells at once and keep no budget".to_owned();
+        return Err(Error::Option { option: "--memory", problem });
     }
     Ok(RenderOptions {
         model: arguments.model,

@@ -80,6 +80,11 @@ macro_rules! numeric_column {
                 Ok(None)
             }
 
+            /// Bytes of memory that the values take; none where they are used in place.
+            pub fn owned_bytes(&self) -> u64 {
+                match self { $(Self::$variant(values) => values.owned_bytes()),* }
+            }
+
             /// Value `i`, widened.
             ///
             /// # Panics

@@ -29,6 +29,11 @@ impl BitColumn {
         self.len
     }
 
+    /// Bytes of memory that the bits take; none where they are used in place.
+    pub fn owned_bytes(&self) -> u64 {
+        self.words.owned_bytes()
+    }
+
     /// Whether there is no entry.
     pub fn is_empty(&self) -> bool {
         self.len == 0

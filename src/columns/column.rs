@@ -44,6 +44,16 @@ impl<T: Pod> Column<T> {
     }
 }
 
+impl<T: Pod> Column<T> {
+    /// Bytes of memory that the values take; none where they are used in place.
+    pub fn owned_bytes(&self) -> u64 {
+        match &self.storage {
+            Storage::Owned(values) => size_of_val(&**values) as u64,
+            Storage::Shared { .. } => 0,
+        }
+    }
+}
+
 impl<T: Pod> Deref for Column<T> {
     type Target = [T];
 

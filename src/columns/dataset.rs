@@ -165,6 +165,16 @@ impl Dataset {
         self.file_from_cell.as_ref().map_or(cell, |file_from| file_from[cell] as usize)
     }
 
+    /// Bytes of memory that the mesh takes; columns that are used in place, as those of a mapped file, count nothing.
+    pub fn owned_bytes(&self) -> u64 {
+        let columns = self.positions.owned_bytes()
+            + self.tets.owned_bytes()
+            + self.positive.owned_bytes()
+            + [&self.file_from_vertex, &self.file_from_cell].into_iter().flatten().map(Column::owned_bytes).sum::<u64>();
+        let arrays: u64 = self.arrays.iter().map(|array| array.values.owned_bytes()).sum();
+        columns + arrays + size_of_val(&self.blocks[..]) as u64
+    }
+
     /// The cells of block `block`, as slices.
     ///
     /// # Panics

@@ -90,6 +90,12 @@ impl Tets {
         self.view().get(cell)
     }
 
+    /// Bytes of memory that the numbers take; none where they are used in place.
+    pub fn owned_bytes(&self) -> u64 {
+        // The narrow numbers are the same bytes as the wide ones.
+        self.wide.owned_bytes() + self.blocks.owned_bytes()
+    }
+
     /// The vertices of every cell, in order.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = [u32; 4]> + '_ {
         let view = self.view();

@@ -9,7 +9,7 @@ mod table;
 
 use std::time::{Duration, Instant};
 
-pub use memory::peak_rss_bytes;
+pub use memory::{anonymous_bytes, peak_rss_bytes};
 pub use stats::{CellStats, Exactness, OrderStats, Stats};
 
 /// What one stage took.
@@ -38,6 +38,8 @@ pub struct StageTime {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Profile {
     stages: Vec<StageTime>,
+    /// The most of [`anonymous_bytes`] that a look at it found.
+    peak_anonymous_bytes: Option<u64>,
 }
 
 impl Profile {
@@ -58,6 +60,21 @@ impl Profile {
         stage.bytes += bytes;
     }
 
+    /// Looks at how much memory the process holds now.
+    pub fn sample_memory(&mut self) {
+        self.note_memory(anonymous_bytes());
+    }
+
+    /// Takes note of a look at [`anonymous_bytes`].
+    pub fn note_memory(&mut self, bytes: Option<u64>) {
+        self.peak_anonymous_bytes = self.peak_anonymous_bytes.max(bytes);
+    }
+
+    /// The most memory without a file behind it that a look found; none where nobody looked or the system does not say.
+    pub fn peak_anonymous_bytes(&self) -> Option<u64> {
+        self.peak_anonymous_bytes
+    }
+
     /// The stages, in order.
     pub fn stages(&self) -> &[StageTime] {
         &self.stages
@@ -76,10 +93,12 @@ impl Profile {
     /// Forgets every stage and keeps the memory: for the next frame.
     pub fn clear(&mut self) {
         self.stages.clear();
+        self.peak_anonymous_bytes = None;
     }
 
     /// Adds all stages of `other`; those that are new come last.
     pub fn append(&mut self, other: &Self) {
+        self.note_memory(other.peak_anonymous_bytes);
         for theirs in &other.stages {
             let end = self.stages.len();
             let ours = self.stage(theirs.name, end);
@@ -88,7 +107,7 @@ impl Profile {
         }
     }
 
-    /// The median frame: of each stage the median time and the median bytes.
+    /// The median frame: of each stage the median time and the median bytes; of the memory the peak of all frames.
     ///
     /// A frame without the stage counts as 0. A stage that only later frames have stands behind the one it followed.
     ///
@@ -106,6 +125,7 @@ impl Profile {
     pub fn median(frames: &[Self]) -> Self {
         let mut median = Self::default();
         for frame in frames {
+            median.note_memory(frame.peak_anonymous_bytes);
             let mut place = 0;
             for stage in &frame.stages {
                 median.stage(stage.name, place);

@@ -98,6 +98,8 @@ pub struct Stats {
     pub threads: usize,
     /// The most memory the process held, in bytes ([`peak_rss_bytes`](super::peak_rss_bytes)).
     pub peak_rss_bytes: Option<u64>,
+    /// The memory budget of a frame in bytes; none where there is none.
+    pub memory_bytes: Option<u64>,
 }
 
 impl Stats {
@@ -148,7 +150,7 @@ impl Stats {
 
 impl Serialize for Stats {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut record = serializer.serialize_struct("Stats", 10)?;
+        let mut record = serializer.serialize_struct("Stats", 12)?;
         record.serialize_field("cells", &self.cells)?;
         record.serialize_field("triangles", &self.triangles)?;
         record.serialize_field("order", &self.order)?;
@@ -159,6 +161,8 @@ impl Serialize for Stats {
         record.serialize_field("adapter", &self.adapter)?;
         record.serialize_field("threads", &self.threads)?;
         record.serialize_field("peak_rss_bytes", &self.peak_rss_bytes)?;
+        record.serialize_field("peak_anonymous_bytes", &self.stages().peak_anonymous_bytes())?;
+        record.serialize_field("memory_bytes", &self.memory_bytes)?;
         record.end()
     }
 }
@@ -212,14 +216,17 @@ mod tests {
             backend: "cpu",
             threads: 2,
             peak_rss_bytes: Some(4096),
+            memory_bytes: Some(8192),
             ..Stats::default()
         };
         stats.before.add("read", Duration::from_millis(8), 640);
         stats.frame.add("cull", Duration::from_micros(500), 12);
         stats.frame.add("composite", Duration::from_millis(2), 0);
         stats.after.add("encode", Duration::from_millis(1), 64);
+        stats.frame.note_memory(Some(2048));
+        stats.after.note_memory(Some(1024));
         assert_eq!(stats.cells.accounted(), stats.cells.total);
-        let expected = r#"{"cells":{"total":21,"drawn":6,"culled_transparent":5,"culled_outside":4,"degenerate":3,"invalid":2,"skipped":1,"by_class":{"two":2,"one":4}},"triangles":9,"order":{"kind":"topological","exactness":{"cycles_broken":3},"misordered_pairs":0,"cycles":3,"violations":null,"tiles_redone":7},"stages":{"read":{"ms":8.0,"bytes":640},"cull":{"ms":0.5,"bytes":12},"composite":{"ms":2.0,"bytes":0},"encode":{"ms":1.0,"bytes":64}},"frame_ms":2.5,"frames":[4.0,1.5,2.0,3.0],"backend":"cpu","adapter":null,"threads":2,"peak_rss_bytes":4096}"#;
+        let expected = r#"{"cells":{"total":21,"drawn":6,"culled_transparent":5,"culled_outside":4,"degenerate":3,"invalid":2,"skipped":1,"by_class":{"two":2,"one":4}},"triangles":9,"order":{"kind":"topological","exactness":{"cycles_broken":3},"misordered_pairs":0,"cycles":3,"violations":null,"tiles_redone":7},"stages":{"read":{"ms":8.0,"bytes":640},"cull":{"ms":0.5,"bytes":12},"composite":{"ms":2.0,"bytes":0},"encode":{"ms":1.0,"bytes":64}},"frame_ms":2.5,"frames":[4.0,1.5,2.0,3.0],"backend":"cpu","adapter":null,"threads":2,"peak_rss_bytes":4096,"peak_anonymous_bytes":2048,"memory_bytes":8192}"#;
         assert_eq!(serde_json::to_string(&stats).unwrap(), expected);
 
         let folder = tempfile::tempdir().unwrap();

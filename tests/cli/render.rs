@@ -93,6 +93,8 @@ fn stats_have_their_keys_and_their_cells_add_up() {
         "adapter",
         "threads",
         "peak_rss_bytes",
+        "peak_anonymous_bytes",
+        "memory_bytes",
     ];
     expected.sort_unstable();
     let mut keys = keys;

@@ -3,6 +3,7 @@
 
 mod accuracy;
 mod analytic;
+mod budget;
 mod check;
 #[path = "../common/mod.rs"]
 mod common;

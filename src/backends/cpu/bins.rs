@@ -2,248 +2,193 @@
 //!
 //! In: blocks of cells. Out: per tile, (key, cell) pairs in memory order; cells that span many tiles are listed once, aside.
 //! Count, scan, write: chunks of blocks run `cull`, `footprints` and `sort` in parallel and count their pairs per tile, a
-//! prefix sum over (tile, chunk) gives each its places, a second pass writes them.
+//! prefix sum over (tile, chunk) gives each its places, a second pass writes them. Under a memory budget the same bins are
+//! filled for a few rows of tiles at a time, by `bands`.
 
+use std::ops::Range;
 use std::sync::atomic::Ordering;
-use std::time::Instant;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 
-use crate::backends::{Counts, Frame};
-use crate::stages::cull::{self, Culled};
-use crate::stages::footprints::{PixelBox, PixelBoxes};
+use super::block::{BlockCells, Projector};
+pub(super) use super::grid::TILE;
+use super::grid::{SmallTileBox, TileBox, TileGrid};
+use crate::backends::Counts;
 use crate::stages::scatter::as_atomic;
-use crate::stages::sort::KeyMaker;
-use crate::stages::sort::radix::{Pair, pair};
-use crate::stages::{ScreenVertex, View};
+use crate::stages::sort::radix::Pair;
 
-/// Side of a tile in pixels.
-pub(super) const TILE: u32 = 32;
 /// A cell on more tiles than this is listed once instead of once a tile; chosen: few cells are so large.
-const MANY_TILES: usize = 64;
+pub(super) const MANY_TILES: usize = SmallTileBox::MAX_TILES;
 /// Chunks of blocks; enough for work stealing, few enough for the counts of all tiles.
 const CHUNKS: usize = 64;
 
-/// The tiles of a picture.
+/// A cell on many tiles.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct TileGrid {
-    pub(super) columns: u32,
-    pub(super) rows: u32,
-}
-
-impl TileGrid {
-    pub(super) fn new(view: &View) -> Self {
-        let [columns, rows] = view.size_px.map(|side| side.div_ceil(TILE));
-        Self { columns, rows }
-    }
-
-    pub(super) fn len(self) -> usize {
-        self.columns as usize * self.rows as usize
-    }
-
-    /// Column and row of the tile's first pixel.
-    pub(super) fn origin_px(self, tile: usize) -> [u32; 2] {
-        [tile as u32 % self.columns * TILE, tile as u32 / self.columns * TILE]
-    }
-}
-
-/// A cell with its key and the tiles its box touches.
-#[derive(Clone, Copy, Debug)]
-struct Binned {
-    pair: Pair,
-    /// Tile columns `x0..x1` and rows `y0..y1`.
-    tiles: PixelBox,
-}
-
-impl Binned {
-    fn tiles(&self, grid: TileGrid) -> impl Iterator<Item = usize> {
-        let PixelBox { x0, x1, y0, y1 } = self.tiles;
-        (y0..y1).flat_map(move |y| (x0..x1).map(move |x| y as usize * grid.columns as usize + x as usize))
-    }
-
-    fn touches(&self, column: u32, row: u32) -> bool {
-        let PixelBox { x0, x1, y0, y1 } = self.tiles;
-        (u32::from(x0)..u32::from(x1)).contains(&column) && (u32::from(y0)..u32::from(y1)).contains(&row)
-    }
+pub(super) struct LargeCell {
+    pub(super) pair: Pair,
+    pub(super) tiles: TileBox,
 }
 
 /// One chunk's scratch, kept between frames.
 #[derive(Debug, Default)]
-struct Chunk {
-    binned: Vec<Binned>,
-    large: Vec<Binned>,
-    /// Pairs per tile, then where the chunk's next pair of the tile goes.
-    places: Vec<u64>,
-    counts: Counts,
-    stage_secs: [f64; 3],
-    cell_from_visible: Vec<u32>,
-    cell_from_projected: Vec<u32>,
-    key_from_projected: Vec<u32>,
-    boxes: Vec<PixelBox>,
+pub(super) struct Chunk {
+    /// Cells in memory order, and the tiles of each.
+    binned: Vec<Pair>,
+    tiles_from_binned: Vec<SmallTileBox>,
+    pub(super) large: Vec<LargeCell>,
+    /// Pairs per tile, then where the chunk's next pair goes among those of the tile.
+    places: Vec<u32>,
+    pub(super) filled: Filled,
+    /// For a census: how many large cells, and the rows of tiles that each block touches.
+    pub(super) large_cells: u64,
+    pub(super) rows_from_block: Vec<Range<u32>>,
 }
 
-/// The cells of every tile.
+/// The cells of every tile of some rows of tiles.
 #[derive(Debug, Default)]
 pub(super) struct Bins {
-    pairs: Vec<Pair>,
+    pub(super) grid: TileGrid,
+    /// The rows of tiles that are filled.
+    pub(super) rows: Range<u32>,
+    pub(super) pairs: Vec<Pair>,
     /// Where each tile's pairs begin, and where the last one's end.
-    starts: Vec<usize>,
-    large: Vec<Binned>,
-    chunks: Vec<Chunk>,
+    pub(super) starts: Vec<usize>,
+    pub(super) large: Vec<LargeCell>,
+    /// Whether the pairs of a tile stand in any order.
+    pub(super) is_shuffled: bool,
+    pub(super) chunks: Vec<Chunk>,
+    /// One per thread that ever filled at once.
+    blocks: Mutex<Vec<BlockCells>>,
 }
 
 /// What filling the bins found and took, in seconds of one thread: cull, footprints, sort keys.
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Filled {
     pub(super) counts: Counts,
     pub(super) stage_secs: [f64; 3],
 }
 
 impl Bins {
-    /// Fills the bins for one frame.
-    pub(super) fn fill(&mut self, frame: &Frame, screen: &[ScreenVertex], keys: &KeyMaker) -> Filled {
-        let grid = TileGrid::new(frame.view);
-        let boxes = PixelBoxes::new(frame.view);
-        let blocks = frame.dataset.blocks.len();
-        let per_chunk = blocks.div_ceil(CHUNKS).max(1);
-        self.chunks.resize_with(blocks.div_ceil(per_chunk), Chunk::default);
-        self.chunks.par_iter_mut().enumerate().for_each(|(i, chunk)| {
-            chunk.reset(grid);
-            for block in i * per_chunk..((i + 1) * per_chunk).min(blocks) {
-                chunk.add_block(frame, screen, &boxes, keys, grid, block);
+    /// Fills the bins of the whole picture.
+    pub(super) fn fill(&mut self, projector: &Projector) -> Filled {
+        let grid = TileGrid::new(projector.frame.view);
+        (self.grid, self.rows, self.is_shuffled) = (grid, 0..grid.rows, false);
+        self.for_each_chunk(projector, |chunk, cells, blocks| {
+            chunk.places.clear();
+            chunk.places.resize(grid.len(), 0);
+            for block in blocks {
+                chunk.add_block(projector, cells, grid, block);
             }
         });
-
-        self.scan(grid);
-        let out = as_atomic(&mut self.pairs);
+        self.scan();
+        let (out, starts) = (as_atomic(&mut self.pairs), &self.starts);
         self.chunks.par_iter_mut().for_each(|chunk| {
-            for binned in &chunk.binned {
-                for tile in binned.tiles(grid) {
+            for (&pair, tiles) in chunk.binned.iter().zip(&chunk.tiles_from_binned) {
+                for tile in tiles.get().tiles(grid) {
                     let place = &mut chunk.places[tile];
-                    out[*place as usize].store(binned.pair, Ordering::Relaxed);
+                    out[starts[tile] + *place as usize].store(pair, Ordering::Relaxed);
                     *place += 1;
                 }
             }
         });
+        self.gather()
+    }
 
+    /// Empties the chunks and runs `work` on each with its range of blocks, in parallel.
+    pub(super) fn for_each_chunk(
+        &mut self,
+        projector: &Projector,
+        work: impl Fn(&mut Chunk, &mut BlockCells, Range<usize>) + Sync,
+    ) {
+        let blocks = projector.frame.dataset.blocks.len();
+        let per_chunk = blocks.div_ceil(CHUNKS).max(1);
+        self.chunks.resize_with(blocks.div_ceil(per_chunk), Chunk::default);
+        self.chunks.par_iter_mut().enumerate().for_each(|(i, chunk)| {
+            chunk.reset();
+            let mut cells = lock(&self.blocks).pop().unwrap_or_default();
+            work(chunk, &mut cells, i * per_chunk..((i + 1) * per_chunk).min(blocks));
+            chunk.filled.stage_secs = std::mem::take(&mut cells.stage_secs);
+            lock(&self.blocks).push(cells);
+        });
+    }
+
+    /// Turns counts per chunk and tile into places.
+    fn scan(&mut self) {
+        self.starts.clear();
+        let mut next = 0;
+        for tile in 0..self.grid.len() {
+            self.starts.push(next);
+            let mut of_tile = 0;
+            for chunk in &mut self.chunks {
+                of_tile += std::mem::replace(&mut chunk.places[tile], of_tile);
+            }
+            next += of_tile as usize;
+        }
+        self.starts.push(next);
+        self.pairs.resize(next, 0);
+    }
+
+    /// Sums up what the chunks found.
+    pub(super) fn gather(&mut self) -> Filled {
         self.large.clear();
-        let mut filled = Filled { counts: Counts::default(), stage_secs: [0.0; 3] };
+        let mut filled = Filled::default();
         for chunk in &self.chunks {
             self.large.extend_from_slice(&chunk.large);
-            filled.counts += chunk.counts;
-            for (sum, secs) in filled.stage_secs.iter_mut().zip(chunk.stage_secs) {
+            filled.counts += chunk.filled.counts;
+            for (sum, secs) in filled.stage_secs.iter_mut().zip(chunk.filled.stage_secs) {
                 *sum += secs;
             }
         }
         filled
     }
 
-    /// Turns counts per chunk and tile into places.
-    fn scan(&mut self, grid: TileGrid) {
-        self.starts.clear();
-        let mut next = 0;
-        for tile in 0..grid.len() {
-            self.starts.push(next as usize);
-            for chunk in &mut self.chunks {
-                next += std::mem::replace(&mut chunk.places[tile], next);
-            }
-        }
-        self.starts.push(next as usize);
-        self.pairs.resize(next as usize, 0);
-    }
-
-    /// Copies the pairs of `tile` to `order`, in memory order of the cells.
-    pub(super) fn pairs_of(&self, grid: TileGrid, tile: usize, order: &mut Vec<Pair>) {
+    /// Copies the pairs of `tile`, one of the rows that are filled, to `order`, in memory order of the cells.
+    pub(super) fn pairs_of(&self, tile: usize, order: &mut Vec<Pair>) {
+        let place = tile - self.grid.tiles(&self.rows).start;
+        let pairs = &self.pairs[self.starts[place]..self.starts[place + 1]];
+        let (column, row) = (tile as u32 % self.grid.columns, tile as u32 / self.grid.columns);
         order.clear();
-        order.extend_from_slice(&self.pairs[self.starts[tile]..self.starts[tile + 1]]);
-        let (column, row) = (tile as u32 % grid.columns, tile as u32 / grid.columns);
-        order.extend(self.large.iter().filter(|binned| binned.touches(column, row)).map(|binned| binned.pair));
-    }
-
-    /// How many pairs were written.
-    pub(super) fn len(&self) -> usize {
-        self.pairs.len()
+        order.extend_from_slice(pairs);
+        if self.is_shuffled {
+            order.sort_unstable();
+        }
+        order.extend(self.large.iter().filter(|cell| cell.tiles.touches(column, row)).map(|cell| cell.pair));
     }
 }
 
+/// A poisoned lock means that a thread panicked; what it took never came back, the rest is whole.
+pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 impl Chunk {
-    fn reset(&mut self, grid: TileGrid) {
+    fn reset(&mut self) {
         self.binned.clear();
+        self.tiles_from_binned.clear();
         self.large.clear();
-        self.places.clear();
-        self.places.resize(grid.len(), 0);
-        self.counts = Counts::default();
-        self.stage_secs = [0.0; 3];
+        self.large_cells = 0;
+        self.rows_from_block.clear();
+        self.filled = Filled::default();
     }
 
-    fn add_block(
-        &mut self,
-        frame: &Frame,
-        screen: &[ScreenVertex],
-        boxes: &PixelBoxes,
-        keys: &KeyMaker,
-        grid: TileGrid,
-        block: usize,
-    ) {
-        let view = frame.dataset.block(block);
-        let cells = view.tets.len() as u64;
-        let (low, high) = frame.field.block_ranges[block];
-        let has_invalid = frame.field.invalid > 0;
-        if !has_invalid && frame.cull_table.is_transparent(frame.pieces, low, high) {
-            self.counts.culled_transparent += cells;
+    fn add_block(&mut self, projector: &Projector, cells: &mut BlockCells, grid: TileGrid, block: usize) {
+        if projector.rows(block, &mut self.filled.counts).is_none() {
             return;
         }
-        if !has_invalid && boxes.misses(view.bounds, frame.view) {
-            self.counts.culled_outside += cells;
-            return;
-        }
-
-        let start = Instant::now();
-        self.cell_from_visible.clear();
-        let Culled { transparent, invalid } =
-            cull::cull(&view, frame.field, screen, (frame.pieces, frame.cull_table), &mut self.cell_from_visible);
-        self.counts.culled_transparent += transparent;
-        self.counts.invalid += invalid;
-
-        let culled = Instant::now();
-        self.cell_from_projected.clear();
-        self.boxes.clear();
-        boxes.of_cells(
-            &view,
-            frame.vertices,
-            screen,
-            &self.cell_from_visible,
-            &mut self.cell_from_projected,
-            &mut self.boxes,
-        );
-        self.counts.drawn += self.boxes.len() as u64;
-        self.counts.culled_outside += (self.cell_from_visible.len() - self.boxes.len()) as u64;
-
-        let projected = Instant::now();
-        self.key_from_projected.clear();
-        keys.keys(&view, frame.vertices, &self.cell_from_projected, &mut self.key_from_projected);
-
-        let keyed = Instant::now();
-        for ((&cell, &key), area) in self.cell_from_projected.iter().zip(&self.key_from_projected).zip(&self.boxes) {
-            let tile = TILE as u16;
-            let tiles = PixelBox {
-                x0: area.x0 / tile,
-                x1: area.x1.div_ceil(tile),
-                y0: area.y0 / tile,
-                y1: area.y1.div_ceil(tile),
-            };
-            let binned = Binned { pair: pair(key, (view.base + cell as usize) as u32), tiles };
-            if (tiles.x1 - tiles.x0) as usize * (tiles.y1 - tiles.y0) as usize > MANY_TILES {
-                self.large.push(binned);
-            } else {
-                self.binned.push(binned);
-                for tile in binned.tiles(grid) {
-                    self.places[tile] += 1;
-                }
+        let Self { binned, tiles_from_binned, large, places, filled, .. } = self;
+        let block = projector.frame.dataset.block(block);
+        filled.counts += cells.project(projector, &block);
+        cells.for_each(projector, &block, |pair, tiles| {
+            if tiles.len() > MANY_TILES {
+                large.push(LargeCell { pair, tiles });
+                return;
             }
-        }
-        let spans = [culled - start, projected - culled + keyed.elapsed(), keyed - projected];
-        for (sum, span) in self.stage_secs.iter_mut().zip(spans) {
-            *sum += span.as_secs_f64();
-        }
+            binned.push(pair);
+            tiles_from_binned.push(SmallTileBox::new(tiles));
+            for tile in tiles.tiles(grid) {
+                places[tile] += 1;
+            }
+        });
     }
 }

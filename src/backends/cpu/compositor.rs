@@ -1,31 +1,33 @@
 //! The tile compositor: one frame from footprints.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::Instant;
+use std::ops::Range;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-use super::bins::{Bins, TILE, TileGrid};
+use super::bins::{Bins, Filled, lock};
+use super::block::Projector;
+use super::budget::{self, Plan};
 use super::dispatch::{InstructionSet, Kernels};
-use super::tile::{PIXELS, place_of};
+use super::grid::{TILE, TileGrid};
+use super::tile_source::TileSource;
 use super::worker::{Drawn, TileTask, Worker};
 use crate::backends::{Counts, Frame};
+use crate::error::Result;
 use crate::image::Image;
 use crate::optics::Optics;
 use crate::profile::Profile;
+use crate::stages::ScreenVertex;
 use crate::stages::project::project;
-use crate::stages::sort::{KeyMaker, SortKey};
-use crate::stages::{ScreenVertex, View};
 
 /// Composites footprints tile by tile; keeps its memory between frames.
 #[derive(Default)]
 pub struct TileCompositor {
     screen: Vec<ScreenVertex>,
     bins: Bins,
-    /// One per thread that ever drew at once.
-    workers: Mutex<Vec<Worker>>,
-    /// Tile by tile, block by block, lane by lane.
-    tile_pixels: Vec<[[f32; 4]; PIXELS]>,
+    /// One for each tile that is drawn at once.
+    workers: Vec<Worker>,
     instruction_set: Option<InstructionSet>,
 }
 
@@ -36,71 +38,124 @@ impl TileCompositor {
     }
 
     /// Draws one frame.
-    pub fn draw<O: Optics>(&mut self, frame: &Frame, optics: &O, profile: &mut Profile) -> (Image, Counts) {
+    ///
+    /// # Errors
+    /// [`Error::Memory`](crate::Error::Memory) where the frame's budget is too small.
+    pub fn draw<O: Optics>(&mut self, frame: &Frame, optics: &O, profile: &mut Profile) -> Result<(Image, Counts)> {
+        let threads = rayon::current_num_threads();
+        if let Some(budget_bytes) = frame.memory_bytes {
+            budget::check(frame, budget_bytes, threads)?;
+            // As after no frame: what is kept here was not planned for this one.
+            (self.bins, self.workers) = Default::default();
+        }
         let start = Instant::now();
         project(frame.view, frame.vertices, &mut self.screen);
         profile.add("project", start.elapsed(), frame.vertices.len() as u64 * 32);
 
-        let key = if O::IS_ORDERED { frame.sort_key } else { SortKey::None };
-        let start = Instant::now();
-        let filled = self.bins.fill(frame, &self.screen, &KeyMaker::new(key, frame.view));
-        let elapsed = start.elapsed();
-        // Stages interleave block by block on all threads: the wall time is shared out by the time each took.
-        let total = filled.stage_secs.iter().sum::<f64>().max(f64::MIN_POSITIVE);
-        let cells = frame.dataset.tets.len() as u64;
-        let pairs = self.bins.len() as u64;
-        let bytes = [cells * 32, pairs * 8, 0];
-        for ((name, secs), bytes) in ["cull", "footprints", "sort"].into_iter().zip(filled.stage_secs).zip(bytes) {
-            profile.add(name, elapsed.mul_f64(secs / total), bytes);
-        }
+        let [width, height] = frame.view.size_px;
+        let mut image = Image::filled(width, height, [0.0; 4]);
+        let counts = match frame.memory_bytes {
+            None => self.draw_at_once(frame, optics, (&mut image, threads), profile),
+            Some(budget_bytes) => self.draw_in_bands(frame, optics, (&mut image, threads), budget_bytes, profile)?,
+        };
+        Ok((image, counts))
+    }
 
+    fn draw_at_once<O: Optics>(
+        &mut self,
+        frame: &Frame,
+        optics: &O,
+        (image, threads): (&mut Image, usize),
+        profile: &mut Profile,
+    ) -> Counts {
         let start = Instant::now();
-        let drawn = self.draw_tiles(frame, optics, key);
+        let filled = self.bins.fill(&Projector::new(frame, &self.screen));
+        add_filling(profile, start.elapsed(), &filled, self.bins.pairs.len() as u64);
+        self.workers.resize_with(threads, Worker::default);
+        let mut counts = filled.counts;
+        counts += self.draw_tiles(frame, optics, (image, None), profile).counts;
+        counts
+    }
+
+    /// Draws some rows of tiles after the other; see [`bands`](super::bands).
+    fn draw_in_bands<O: Optics>(
+        &mut self,
+        frame: &Frame,
+        optics: &O,
+        (image, threads): (&mut Image, usize),
+        budget_bytes: u64,
+        profile: &mut Profile,
+    ) -> Result<Counts> {
+        let start = Instant::now();
+        let census = self.bins.census(&Projector::new(frame, &self.screen));
+        add_filling(profile, start.elapsed(), &census.filled, 0);
+
+        let mut counts = census.filled.counts;
+        let mut plan = Plan::new(frame, &census, budget_bytes, threads, budget::FRAGMENTS)?;
+        let mut row = 0;
+        while row < TileGrid::new(frame.view).rows {
+            self.workers.resize_with(plan.workers, Worker::default);
+            let start = Instant::now();
+            let rows = census.band(row, &plan);
+            let filled = self.bins.fill_band(&Projector::new(frame, &self.screen), &census, rows);
+            add_filling(profile, start.elapsed(), &filled, self.bins.pairs.len() as u64);
+            let drawn = self.draw_tiles(frame, optics, (image, Some(&plan)), profile);
+            if drawn.fragments_lacking > 0 {
+                // More cells over a pixel than was thought: the band is drawn again with room for them.
+                plan = Plan::new(frame, &census, budget_bytes, threads, drawn.fragments_lacking)?;
+                self.bins.keep_within(&plan);
+                self.workers.clear();
+                continue;
+            }
+            counts += drawn.counts;
+            row = self.bins.rows.end;
+        }
+        Ok(counts)
+    }
+
+    /// Draws the rows of tiles that the bins are filled for.
+    fn draw_tiles<O: Optics>(
+        &mut self,
+        frame: &Frame,
+        optics: &O,
+        (image, plan): (&mut Image, Option<&Plan>),
+        profile: &mut Profile,
+    ) -> Drawn {
+        profile.sample_memory();
+        let start = Instant::now();
+        let Bins { grid, rows, .. } = &self.bins;
+        let width = image.width as usize;
+        let pixels = pixels_of(rows, image);
+        let tiles = Mutex::new(TileSource::new(&mut image.pixels[pixels], width, grid.tiles(rows).start));
+        let next = || lock(&tiles).next();
+        let kernels = Kernels::new(self.instruction_set);
+        let task = TileTask { frame, optics, bins: &self.bins, kernels, plan };
+        let workers = self.workers.par_iter_mut().with_max_len(1);
+        let drawn = workers.map(|worker| worker.draw(&task, next)).reduce(Drawn::default, Drawn::sum);
+
         let elapsed = start.elapsed();
         let total = (drawn.sort_secs + drawn.draw_secs).max(f64::MIN_POSITIVE);
+        let pairs = self.bins.pairs.len() as u64;
         profile.add("sort", elapsed.mul_f64(drawn.sort_secs / total), pairs * 16);
         profile.add("composite", elapsed.mul_f64(drawn.draw_secs / total), pairs * 80);
-
-        let start = Instant::now();
-        let image = self.resolve(frame.view);
-        profile.add("resolve", start.elapsed(), image.pixels.len() as u64 * 32);
-        let mut counts = filled.counts;
-        counts += drawn.counts;
-        (image, counts)
-    }
-
-    fn draw_tiles<O: Optics>(&mut self, frame: &Frame, optics: &O, key: SortKey) -> Drawn {
-        let grid = TileGrid::new(frame.view);
-        self.tile_pixels.resize(grid.len(), [[0.0; 4]; PIXELS]);
-        let kernels = Kernels::new(self.instruction_set);
-        let task = TileTask { frame, optics, bins: &self.bins, grid, kernels, is_sorted: key != SortKey::None };
-        let workers = &self.workers;
-        let draw = |(tile, out): (usize, &mut [[f32; 4]; PIXELS])| {
-            let mut worker = lock(workers).pop().unwrap_or_default();
-            let drawn = worker.draw(&task, tile, out);
-            lock(workers).push(worker);
-            drawn
-        };
-        self.tile_pixels.par_iter_mut().enumerate().with_max_len(1).map(draw).reduce(Drawn::default, Drawn::sum)
-    }
-
-    /// Copies the tiles to the rows of a picture.
-    fn resolve(&self, view: &View) -> Image {
-        let [width, height] = view.size_px;
-        let columns = TileGrid::new(view).columns as usize;
-        let mut image = Image::filled(width, height, [0.0; 4]);
-        image.pixels.par_chunks_mut(width as usize).enumerate().for_each(|(y, row)| {
-            let tile = TILE as usize;
-            let first_tile = y / tile * columns;
-            for (x, pixel) in row.iter_mut().enumerate() {
-                *pixel = self.tile_pixels[first_tile + x / tile][place_of(x % tile, y % tile)];
-            }
-        });
-        image
+        profile.note_memory(drawn.anonymous_bytes);
+        profile.sample_memory();
+        drawn
     }
 }
 
-/// A poisoned lock means that a thread panicked; its worker never came back, the others are whole.
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+/// Stages interleave block by block on all threads: the wall time is shared out by the time each took.
+fn add_filling(profile: &mut Profile, elapsed: Duration, filled: &Filled, pairs: u64) {
+    let total = filled.stage_secs.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+    let Counts { drawn, culled_transparent, culled_outside, invalid, .. } = filled.counts;
+    let bytes = [(drawn + culled_transparent + culled_outside + invalid) * 32, pairs * 8, 0];
+    for ((name, secs), bytes) in ["cull", "footprints", "sort"].into_iter().zip(filled.stage_secs).zip(bytes) {
+        profile.add(name, elapsed.mul_f64(secs / total), bytes);
+    }
+}
+
+/// The pixels of some rows of tiles.
+fn pixels_of(rows: &Range<u32>, image: &Image) -> Range<usize> {
+    let start_of = |row: u32| (row * TILE).min(image.height) as usize * image.width as usize;
+    start_of(rows.start)..start_of(rows.end)
 }

@@ -17,8 +17,8 @@ use crate::stages::cull;
 use crate::stages::fans::{self, Fan, FanCounts, FanInput, FanSlot, FanVertex};
 use crate::stages::footprints::PixelBoxes;
 use crate::stages::project::project;
+use crate::stages::sort::KeyMaker;
 use crate::stages::sort::radix::{Pair, index_of, pair, sort_coherent};
-use crate::stages::sort::{KeyMaker, SortKey};
 use crate::stages::{ScreenVertex, View};
 
 /// Cells whose fans are in memory at once.
@@ -83,7 +83,7 @@ impl FanCompositor {
     fn cull_and_key<O: Optics>(&mut self, frame: &Frame, profile: &mut Profile) -> Counts {
         let start = Instant::now();
         let boxes = PixelBoxes::new(frame.view);
-        let keys = KeyMaker::new(if O::IS_ORDERED { frame.sort_key } else { SortKey::None }, frame.view);
+        let keys = KeyMaker::new(frame.sort_key, frame.view);
         let screen = &self.screen[..];
         let per_block: Vec<(Vec<Pair>, Counts)> = (0..frame.dataset.blocks.len())
             .into_par_iter()

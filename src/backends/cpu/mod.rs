@@ -2,20 +2,27 @@
 //!
 //! In: a [`Frame`](super::Frame) and an optical model. Out: an [`Image`](crate::image::Image), [`Counts`](super::Counts),
 //! spans in a [`Profile`](crate::profile::Profile).
-//! `compositor`: `project` → `bins` (`cull`, `footprints`, `sort` keys, scatter to tiles) → per tile, by a `worker`: sort,
-//! `tile` (cell by cell: its `planes`, its `hits`) into a `sink` (blend, or collect and sort per pixel) → picture.
+//! `compositor`: `project` → `bins` (per `block` of cells `cull`, `footprints`, `sort` keys; scatter to tiles) → per tile, by a
+//! `worker`: sort, `tile` (cell by cell: its `planes`, its `hits`) into a `sink` (blend, or collect and sort per pixel) → picture.
+//! Under a memory budget the bins are filled in `bands`, within what `budget` leaves, and blocks collected in `portions`.
 //! To add a way to composite: a sink; an instruction set: its kernels in `dispatch`, how it moves lanes in `compress`.
 
+mod bands;
 mod bins;
+mod block;
+mod budget;
 mod compositor;
 mod compress;
 mod dispatch;
 mod fans;
+mod grid;
 mod hits;
 mod planes;
+mod portions;
 mod sink;
 mod steep;
 mod tile;
+mod tile_source;
 mod worker;
 
 pub use compositor::TileCompositor;

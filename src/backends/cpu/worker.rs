@@ -3,15 +3,19 @@
 //! Where the order must be exact, a tile is drawn once with fragments held back; blocks in which a fragment still came after
 //! one behind it are drawn again, with all their fragments sorted per pixel.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use super::bins::{Bins, TileGrid};
+use super::bins::Bins;
+use super::budget::Plan;
 use super::dispatch::Kernels;
 use super::hits::Hits;
+use super::portions::CountFragments;
 use super::sink::{Blend, Collect, OrderSlack};
-use super::tile::{PIXELS, TileFrame};
+use super::tile::{PIXELS, TileFrame, place_of};
+use super::tile_source::LentTile;
 use crate::backends::{Counts, Frame};
-use crate::optics::Optics;
+use crate::optics::{LANES, Optics};
+use crate::profile::anonymous_bytes;
 use crate::stages::sort::SortKey;
 use crate::stages::sort::radix::{Pair, sort_local};
 
@@ -32,9 +36,9 @@ pub(super) struct TileTask<'a, O> {
     pub(super) frame: &'a Frame<'a>,
     pub(super) optics: &'a O,
     pub(super) bins: &'a Bins,
-    pub(super) grid: TileGrid,
     pub(super) kernels: Kernels,
-    pub(super) is_sorted: bool,
+    /// How a memory budget is shared, where there is one.
+    pub(super) plan: Option<&'a Plan>,
 }
 
 /// What drawing tiles counted and took.
@@ -43,6 +47,10 @@ pub(super) struct Drawn {
     pub(super) counts: Counts,
     pub(super) sort_secs: f64,
     pub(super) draw_secs: f64,
+    /// Fragments of a block that were more than the plan has room for; then what was drawn is of no use.
+    pub(super) fragments_lacking: usize,
+    /// The most memory that was seen while drawing.
+    pub(super) anonymous_bytes: Option<u64>,
 }
 
 impl Drawn {
@@ -50,13 +58,18 @@ impl Drawn {
         self.counts += other.counts;
         self.sort_secs += other.sort_secs;
         self.draw_secs += other.draw_secs;
+        self.fragments_lacking = self.fragments_lacking.max(other.fragments_lacking);
+        self.anonymous_bytes = self.anonymous_bytes.max(other.anonymous_bytes);
         self
     }
 }
 
+/// How often a worker looks at the memory; a look takes some ten microseconds.
+const LOOK: Duration = Duration::from_millis(20);
+
 /// One thread's memory.
-#[derive(Default)]
 pub(super) struct Worker {
+    pixels: Box<[[f32; 4]; PIXELS]>,
     order: Vec<Pair>,
     scratch: Vec<Pair>,
     blend: Blend<0>,
@@ -66,22 +79,66 @@ pub(super) struct Worker {
     hits: Hits,
 }
 
+impl Default for Worker {
+    fn default() -> Self {
+        Self {
+            pixels: Box::new([[0.0; 4]; PIXELS]),
+            order: Vec::new(),
+            scratch: Vec::new(),
+            blend: Blend::default(),
+            holding_by_power: Blend::default(),
+            holding: Blend::default(),
+            collect: Collect::default(),
+            hits: Hits::default(),
+        }
+    }
+}
+
 impl Worker {
-    /// Draws `tile` into `out`, block by block, lane by lane.
-    pub(super) fn draw<O: Optics>(&mut self, task: &TileTask<O>, tile: usize, out: &mut [[f32; 4]; PIXELS]) -> Drawn {
+    /// Draws tiles until there is none left.
+    pub(super) fn draw<'p, O: Optics>(
+        &mut self,
+        task: &TileTask<O>,
+        mut next: impl FnMut() -> Option<LentTile<'p>>,
+    ) -> Drawn {
+        if let Some(plan) = task.plan {
+            // At once as much as any tile takes: lists that grow are held twice for a moment.
+            self.order.reserve_exact(plan.tile_pairs);
+            self.scratch.reserve_exact(plan.tile_pairs);
+        }
+        let mut drawn = Drawn::default();
+        let mut looked = Instant::now();
+        while let Some((tile, rows)) = next() {
+            drawn = drawn.sum(self.draw_tile(task, tile));
+            for (y, row) in rows.into_iter().enumerate() {
+                for (x, pixel) in row.iter_mut().enumerate() {
+                    *pixel = self.pixels[place_of(x, y)];
+                }
+            }
+            if looked.elapsed() > LOOK {
+                looked = Instant::now();
+                drawn.anonymous_bytes = drawn.anonymous_bytes.max(anonymous_bytes());
+            }
+        }
+        drawn
+    }
+
+    /// Draws `tile` into the worker's pixels, block by block, lane by lane.
+    fn draw_tile<O: Optics>(&mut self, task: &TileTask<O>, tile: usize) -> Drawn {
         let start = Instant::now();
         let mut drawn = Drawn::default();
-        task.bins.pairs_of(task.grid, tile, &mut self.order);
+        let out = &mut *self.pixels;
+        task.bins.pairs_of(tile, &mut self.order);
         if self.order.is_empty() {
             out.fill(task.optics.pixel(O::CLEAR));
             return drawn;
         }
-        if task.is_sorted {
+        if task.frame.sort_key != SortKey::None {
             sort_local(&mut self.order, &mut self.scratch);
         }
         let sorted = Instant::now();
 
-        let frame = TileFrame::new(task.frame, task.grid.origin_px(tile));
+        let frame = TileFrame::new(task.frame, task.bins.grid.origin_px(tile));
         if O::IS_ORDERED && task.frame.is_exact {
             let late_blocks = if task.frame.sort_key == SortKey::Power {
                 blend(task, &frame, (&self.order, &mut self.hits), &mut self.holding_by_power, &mut drawn.counts, out)
@@ -89,9 +146,7 @@ impl Worker {
                 blend(task, &frame, (&self.order, &mut self.hits), &mut self.holding, &mut drawn.counts, out)
             };
             if late_blocks != 0 {
-                self.collect.reset(late_blocks);
-                task.kernels.composite(&frame, task.optics, &self.order, &mut self.hits, &mut self.collect);
-                self.collect.composite(task.optics, out);
+                drawn.fragments_lacking = self.draw_again(task, &frame, late_blocks);
                 drawn.counts.tiles_redone = 1;
             }
         } else {
@@ -100,6 +155,30 @@ impl Worker {
         drawn.sort_secs = (sorted - start).as_secs_f64();
         drawn.draw_secs = sorted.elapsed().as_secs_f64();
         drawn
+    }
+
+    /// Draws `blocks` with all their fragments sorted per pixel; where those of one block are more than the plan has room for,
+    /// nothing is drawn and their number returned.
+    fn draw_again<O: Optics>(&mut self, task: &TileTask<O>, frame: &TileFrame, blocks: u64) -> usize {
+        let Self { order, hits, collect, pixels, .. } = self;
+        let mut draw = |blocks: u64, hits: &mut Hits| {
+            collect.reset(blocks);
+            task.kernels.composite(frame, task.optics, order, hits, collect);
+            collect.composite(task.optics, pixels);
+        };
+        // A cell has at most one fragment a pixel.
+        let limit = task.plan.map_or(usize::MAX, |plan| plan.fragments);
+        if order.len().saturating_mul(LANES * blocks.count_ones() as usize) <= limit || task.plan.is_none() {
+            draw(blocks, hits);
+            return 0;
+        }
+        let mut count = CountFragments::new(blocks);
+        task.kernels.composite(frame, task.optics, order, hits, &mut count);
+        if count.largest() > limit {
+            return count.largest();
+        }
+        count.portions(limit).for_each(|portion| draw(portion, hits));
+        0
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use cellfan::{CpuMethod, Integral, Model, SortMethod};
 use clap::Args;
 
-use crate::cli::arguments::{color, finite, length, named, one_of, size, transmittance, view};
+use crate::cli::arguments::{bytes, color, finite, length, named, one_of, size, transmittance, view};
 
 /// What draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,6 +83,10 @@ pub(in crate::cli) struct Arguments {
     /// Count the neighbouring cells that the order puts the wrong way round.
     #[arg(long, help_heading = "Method")]
     pub(super) check_order: bool,
+    /// What the process may hold, mapped files aside: 800M, 2Gi. The picture is the same, drawn in as many parts as needed
+    /// [default: as it comes].
+    #[arg(long, value_name = "BYTES", help_heading = "Method", value_parser = bytes, allow_hyphen_values = true)]
+    pub(super) memory: Option<u64>,
     /// Write figures as JSON: cells, order, stages, times; - is stdout.
     #[arg(long, value_name = "STATS.json", help_heading = "Method", allow_hyphen_values = true)]
     pub(super) stats: Option<PathBuf>,

@@ -9,6 +9,8 @@
 
 pub mod planes;
 
+use std::ops::Range;
+
 use glam::{Vec2, Vec3};
 
 use crate::columns::{BlockView, Bounds};
@@ -74,21 +76,29 @@ impl PixelBoxes {
         }
     }
 
-    /// Whether nothing in `bounds` can be seen: all before the near plane, beyond the far one, or beside the picture.
-    pub fn misses(&self, bounds: Bounds, view: &View) -> bool {
+    /// The rows of pixels that cells in `bounds` may touch; `None` where nothing in it can be seen: all before the near plane,
+    /// beyond the far one, or beside the picture.
+    pub fn rows_of_bounds(&self, bounds: Bounds, view: &View) -> Option<Range<u16>> {
         let scale = view.world_per_scene.recip() as f32;
-        let corners = bounds.corners().map(|corner| self.projection.project(corner * scale));
+        let positions = bounds.corners().map(|corner| corner * scale);
+        let corners = positions.map(|p| self.projection.project(p));
         let nearest = corners.iter().fold(f32::INFINITY, |near, corner| near.min(corner.z));
         let farthest = corners.iter().fold(f32::NEG_INFINITY, |far, corner| far.max(corner.z));
         if farthest < self.near || nearest > self.far {
-            return true;
+            return None;
         }
+        let whole = 0..self.size_px.y as u16;
         if nearest < self.near {
-            return false;
+            return Some(whole);
         }
         let low = corners.iter().fold(Vec2::INFINITY, |low, corner| low.min(corner.truncate()));
         let high = corners.iter().fold(Vec2::NEG_INFINITY, |high, corner| high.max(corner.truncate()));
-        self.around(low - Vec2::ONE, high + Vec2::ONE).is_none()
+        let rows = self.around(low - Vec2::ONE, high + Vec2::ONE)?;
+        // A vertex and the corners of its block are rounded on their own. That is a small part of a pixel unless the block
+        // comes near to the eye, where a thousandth of its distance shifts a vertex by a pixel: then any row may be touched.
+        let reach = positions.iter().fold(0.0, |far: f32, &p| far.max(p.distance(view.eye.as_vec3())));
+        let is_near = nearest < self.near + 1e-5 * reach || (view.is_perspective && nearest < 1e-3 * reach);
+        Some(if is_near { whole } else { rows.y0.saturating_sub(1)..(rows.y1 + 1).min(whole.end) })
     }
 
     /// The box around the part of a cell that lies behind the near plane.

@@ -56,7 +56,7 @@ fn a_block_that_is_missed_covers_no_pixel() {
         for (cell, tet) in dataset.tets.iter().enumerate() {
             let position = |v: u32| Vec3::from_array(dataset.positions[v as usize]);
             let bounds = tet.iter().fold(Bounds::EMPTY, |bounds, &v| bounds.include(position(v)));
-            if boxes.misses(bounds, view) {
+            if boxes.rows_of_bounds(bounds, view).is_none() {
                 missed += 1;
                 let p = corners(&dataset, &vertices, cell);
                 for (x, y) in (0..8).flat_map(|y| (0..8).map(move |x| (f64::from(x), f64::from(y)))) {
@@ -67,6 +67,34 @@ fn a_block_that_is_missed_covers_no_pixel() {
         }
     }
     assert!(missed > 50, "{missed} of 600");
+}
+
+#[test]
+fn cells_touch_no_row_that_their_block_does_not() {
+    let (mut narrow, mut whole) = (0, 0);
+    for (size, near) in [(0.02, 0.0), (0.02, 0.9), (0.3, 0.7)] {
+        let dataset = random_cells(900, size, &mut Random::new(9));
+        let vertices = scene_vertices(&dataset, &dataset.homogeneous_field());
+        for view in &mut views(&dataset, 400, 2000) {
+            view.near = view.near.max(near);
+            let mut screen = Vec::new();
+            project(view, &vertices, &mut screen);
+            let boxes = PixelBoxes::new(view);
+            for run in dataset.tets.iter().collect::<Vec<_>>().chunks(3) {
+                let position = |&v: &u32| Vec3::from_array(dataset.positions[v as usize]);
+                let bounds = run.iter().flatten().map(position).fold(Bounds::EMPTY, Bounds::include);
+                let rows = boxes.rows_of_bounds(bounds, view);
+                for area in run.iter().filter_map(|&tet| boxes.of_cell(tet, &vertices, &screen)) {
+                    let rows = rows.clone().unwrap_or(0..0);
+                    assert!(rows.start <= area.y0 && area.y1 <= rows.end, "{area:?} in {rows:?}");
+                }
+                let height = rows.map_or(0, |rows| rows.end - rows.start);
+                whole += usize::from(height == 2000);
+                narrow += usize::from((1..1000).contains(&height));
+            }
+        }
+    }
+    assert!(narrow > 100 && whole > 10, "{narrow} {whole}");
 }
 
 /// The planes of a tile's cells, sixteen at a time.

@@ -1,0 +1,128 @@
+//! One block of cells on its way to the bins: `cull`, `footprints`, and `sort` keys of what is left.
+//!
+//! In: a block. Out: its cells that may show, the tiles each touches, their keys; what became of the others.
+
+use std::ops::Range;
+use std::time::Instant;
+
+use super::grid::{TILE, TileBox};
+use crate::backends::{Counts, Frame};
+use crate::columns::BlockView;
+use crate::stages::ScreenVertex;
+use crate::stages::cull::{self, Culled};
+use crate::stages::footprints::{PixelBox, PixelBoxes};
+use crate::stages::sort::KeyMaker;
+use crate::stages::sort::radix::{Pair, pair};
+
+/// What cells are projected with, for one view.
+#[derive(Clone, Copy)]
+pub(super) struct Projector<'a> {
+    pub(super) frame: &'a Frame<'a>,
+    pub(super) screen: &'a [ScreenVertex],
+    pub(super) boxes: PixelBoxes,
+    pub(super) keys: KeyMaker,
+}
+
+impl<'a> Projector<'a> {
+    pub(super) fn new(frame: &'a Frame<'a>, screen: &'a [ScreenVertex]) -> Self {
+        let (boxes, keys) = (PixelBoxes::new(frame.view), KeyMaker::new(frame.sort_key, frame.view));
+        Self { frame, screen, boxes, keys }
+    }
+
+    /// The rows of tiles that block `block` may touch; `None` where none of its cells can show, and then it is counted.
+    /// Its cells are not read.
+    pub(super) fn rows(&self, block: usize, counts: &mut Counts) -> Option<Range<u32>> {
+        let frame = self.frame;
+        let block_cells = frame.dataset.blocks[block].cells.len() as u64;
+        let (low, high) = frame.field.block_ranges[block];
+        // Cells with values that are not finite are counted one by one.
+        let has_invalid = frame.field.invalid > 0;
+        if !has_invalid && frame.cull_table.is_transparent(frame.pieces, low, high) {
+            counts.culled_transparent += block_cells;
+            return None;
+        }
+        let rows = self.boxes.rows_of_bounds(frame.dataset.blocks[block].bounds, frame.view);
+        match rows {
+            // What is counted cell by cell is drawn cell by cell too.
+            None if has_invalid => Some(0..frame.view.size_px[1].div_ceil(TILE)),
+            None => {
+                counts.culled_outside += block_cells;
+                None
+            }
+            Some(rows) => Some(u32::from(rows.start) / TILE..u32::from(rows.end).div_ceil(TILE)),
+        }
+    }
+}
+
+/// The cells of one block; its memory is kept for the next.
+#[derive(Debug, Default)]
+pub(super) struct BlockCells {
+    cell_from_visible: Vec<u32>,
+    cell_from_projected: Vec<u32>,
+    key_from_projected: Vec<u32>,
+    boxes: Vec<PixelBox>,
+    /// Seconds in cull, footprints, sort keys.
+    pub(super) stage_secs: [f64; 3],
+}
+
+impl BlockCells {
+    /// Takes the cells of `block` that may show; what became of all of them.
+    pub(super) fn project(&mut self, projector: &Projector, block: &BlockView) -> Counts {
+        let Projector { frame, screen, boxes, .. } = projector;
+        let start = Instant::now();
+        self.cell_from_visible.clear();
+        let Culled { transparent, invalid } =
+            cull::cull(block, frame.field, screen, (frame.pieces, frame.cull_table), &mut self.cell_from_visible);
+        let culled = Instant::now();
+        self.cell_from_projected.clear();
+        self.boxes.clear();
+        boxes.of_cells(
+            block,
+            frame.vertices,
+            screen,
+            &self.cell_from_visible,
+            &mut self.cell_from_projected,
+            &mut self.boxes,
+        );
+        self.stage_secs[0] += (culled - start).as_secs_f64();
+        self.stage_secs[1] += culled.elapsed().as_secs_f64();
+        Counts {
+            drawn: self.boxes.len() as u64,
+            culled_transparent: transparent,
+            culled_outside: (self.cell_from_visible.len() - self.boxes.len()) as u64,
+            invalid,
+            ..Counts::default()
+        }
+    }
+
+    /// Keeps the cells that touch some rows of tiles.
+    pub(super) fn keep_rows(&mut self, rows: &Range<u32>) {
+        let mut kept = 0;
+        for i in 0..self.boxes.len() {
+            if TileBox::around(self.boxes[i]).touches_rows(rows) {
+                (self.boxes[kept], self.cell_from_projected[kept]) = (self.boxes[i], self.cell_from_projected[i]);
+                kept += 1;
+            }
+        }
+        self.boxes.truncate(kept);
+        self.cell_from_projected.truncate(kept);
+    }
+
+    /// The tiles that each cell touches.
+    pub(super) fn tile_boxes(&self) -> impl Iterator<Item = TileBox> {
+        self.boxes.iter().copied().map(TileBox::around)
+    }
+
+    /// Computes the keys and gives each cell with its pair and its tiles to `place`.
+    pub(super) fn for_each(&mut self, projector: &Projector, block: &BlockView, mut place: impl FnMut(Pair, TileBox)) {
+        let start = Instant::now();
+        self.key_from_projected.clear();
+        projector.keys.keys(block, projector.frame.vertices, &self.cell_from_projected, &mut self.key_from_projected);
+        let keyed = Instant::now();
+        for ((&cell, &key), area) in self.cell_from_projected.iter().zip(&self.key_from_projected).zip(&self.boxes) {
+            place(pair(key, (block.base + cell as usize) as u32), TileBox::around(*area));
+        }
+        self.stage_secs[2] += (keyed - start).as_secs_f64();
+        self.stage_secs[1] += keyed.elapsed().as_secs_f64();
+    }
+}
