@@ -11,6 +11,7 @@ use cellfan::io::{check_target, open_mesh};
 use clap::Args;
 
 use super::Outcome;
+use super::arguments::bytes as memory;
 use super::numbers::{bytes, count};
 use super::progress::Progress;
 
@@ -22,9 +23,10 @@ pub(super) struct Arguments {
     /// The container to write.
     #[arg(value_name = "OUT.cells")]
     output: PathBuf,
-    /// Memory to sort in, in MiB; what does not fit goes through a temporary file in the output's folder.
-    #[arg(long, value_name = "MIB", default_value_t = WriteOptions::default().memory_bytes >> 20)]
-    sort_memory: u64,
+    /// Memory for points and sorting, 800M or 2Gi; cells that do not fit go through a temporary file in the output's folder
+    /// [default: 1Gi].
+    #[arg(long, value_name = "BYTES", value_parser = memory, allow_hyphen_values = true)]
+    memory: Option<u64>,
     /// Also write which cells share a face, 16 bytes a cell: an order by neighbours then need not find it.
     #[arg(long)]
     adjacency: bool,
@@ -33,7 +35,7 @@ pub(super) struct Arguments {
 const EXAMPLES: &str = "\
 Examples:
   cellfan convert mesh.vtu mesh.cells
-  cellfan convert --sort-memory 256 huge.vtu huge.cells";
+  cellfan convert --memory 500M huge.vtu huge.cells";
 
 pub(super) fn run(arguments: &Arguments) -> Outcome {
     let (path, output) = (&arguments.mesh, &arguments.output);
@@ -47,7 +49,8 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         let _progress = Progress::running(format!("reading {}", path.display()));
         open_mesh(path)?.into_tets().map_err(|error| error.in_file(path))?
     };
-    let memory_bytes = arguments.sort_memory.saturating_mul(1 << 20);
+    let default = WriteOptions::default();
+    let memory_bytes = arguments.memory.unwrap_or(default.memory_bytes);
     let options = WriteOptions { memory_bytes, adjacency: arguments.adjacency };
     write(&mesh, output, &options).map_err(|error| error.in_file(path))?;
     Ok(())

@@ -170,7 +170,11 @@ impl Dataset {
         let columns = self.positions.owned_bytes()
             + self.tets.owned_bytes()
             + self.positive.owned_bytes()
-            + [&self.file_from_vertex, &self.file_from_cell].into_iter().flatten().map(Column::owned_bytes).sum::<u64>();
+            + [&self.file_from_vertex, &self.file_from_cell]
+                .into_iter()
+                .flatten()
+                .map(Column::owned_bytes)
+                .sum::<u64>();
         let arrays: u64 = self.arrays.iter().map(|array| array.values.owned_bytes()).sum();
         columns + arrays + size_of_val(&self.blocks[..]) as u64
     }
