@@ -35,7 +35,8 @@ const STACK: &str = "render mesh.vtu --size 200x200 --frames 100000 --orbit 360 
 #[test]
 fn a_killed_run_leaves_no_result_and_the_next_cleans_up() {
     let place = Place::with_mesh();
-    for arguments in [STACK, "generate tets --cells 1500000 -o large.vtu"] {
+    let generate = ["generate tets --cells 1500000 -o large.vtu", "generate tets --cells 3000000 -o large.cells"];
+    for arguments in [STACK].into_iter().chain(generate) {
         kill(started(&place, arguments));
         let left = partials(&place);
         assert_eq!(left.len(), 1, "{arguments}: {left:?}");
