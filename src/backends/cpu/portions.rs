@@ -1,25 +1,66 @@
 //! Portions: which blocks of a tile are collected at once, so that their fragments fit.
 //!
-//! In: blocks, a bit each, and how many fragments fit. Out: groups of blocks, none with more; or the block that has more alone.
+//! In: blocks to draw again, a bit each, and how many fragments fit. Out: groups of blocks, none with more; or the number of
+//! the block that has more alone.
+//!
+//! Every pass finds and shades the fragments of all blocks and keeps those of one group: which form of the integral a cell
+//! takes depends on all of its rays in the tile, so that blocks on their own would differ in the last bit.
 #![expect(clippy::inline_always, reason = "kernels must inline into the function compiled for wider vectors")]
 
 use super::compress::Compress;
-use super::sink::{Fragments, Sink};
+use super::sink::{Collect, Fragments, Sink};
 use super::tile::BLOCKS;
-use crate::optics::{LANES, Optics};
+use crate::optics::Optics;
 
-/// Counts the fragments of some blocks, and keeps none.
-pub(super) struct CountFragments {
+/// Counts the fragments of some blocks, and collects those of a portion of them.
+pub(super) struct Portion<'a> {
+    blocks: u64,
+    kept: u64,
+    collect: &'a mut Collect,
+    counts: BlockCounts,
+}
+
+impl<'a> Portion<'a> {
+    /// Of `blocks`, one bit each, collects those of `kept`, which may be none.
+    pub(super) fn new(blocks: u64, kept: u64, collect: &'a mut Collect) -> Self {
+        collect.reset(kept);
+        Self { blocks, kept, collect, counts: BlockCounts { blocks, fragments_from_block: [0; BLOCKS] } }
+    }
+
+    /// What was counted.
+    pub(super) fn into_counts(self) -> BlockCounts {
+        self.counts
+    }
+}
+
+impl<O: Optics> Sink<O> for Portion<'_> {
+    #[inline(always)]
+    fn is_done(&self, block: usize, _: f32) -> bool {
+        self.blocks >> block & 1 == 0
+    }
+
+    #[inline(always)]
+    fn is_all_done(&self) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn accept(&mut self, compress: impl Compress, fragments: &Fragments) {
+        let hits: u32 = fragments.is_hit.iter().map(|is_hit| is_hit & 1).sum();
+        self.counts.fragments_from_block[fragments.block] += hits as usize;
+        if self.kept >> fragments.block & 1 == 1 {
+            Sink::<O>::accept(self.collect, compress, fragments);
+        }
+    }
+}
+
+/// The fragments of each block.
+pub(super) struct BlockCounts {
     blocks: u64,
     fragments_from_block: [usize; BLOCKS],
 }
 
-impl CountFragments {
-    /// Of `blocks`, one bit each.
-    pub(super) fn new(blocks: u64) -> Self {
-        Self { blocks, fragments_from_block: [0; BLOCKS] }
-    }
-
+impl BlockCounts {
     /// The fragments of the fullest block.
     pub(super) fn largest(&self) -> usize {
         self.fragments_from_block.iter().copied().max().unwrap_or(0)
@@ -44,34 +85,13 @@ impl CountFragments {
     }
 }
 
-impl<O: Optics> Sink<O> for CountFragments {
-    #[inline(always)]
-    fn is_done(&self, block: usize, _: f32) -> bool {
-        self.blocks >> block & 1 == 0
-    }
-
-    #[inline(always)]
-    fn is_all_done(&self) -> bool {
-        false
-    }
-
-    #[inline(always)]
-    fn accept(&mut self, _: impl Compress, fragments: &Fragments) {
-        let mut hits = 0;
-        for i in 0..LANES {
-            hits += fragments.is_hit[i] & 1;
-        }
-        self.fragments_from_block[fragments.block] += hits as usize;
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn portions_hold_every_block_once_and_keep_the_limit() {
-        let mut count = CountFragments::new(0b1011_0110_1001 | 1 << 63);
+        let mut count = BlockCounts { blocks: 0b1011_0110_1001 | 1 << 63, fragments_from_block: [0; BLOCKS] };
         for block in 0..BLOCKS {
             count.fragments_from_block[block] = if count.blocks >> block & 1 == 1 { 1 + block % 5 } else { 0 };
         }
@@ -84,6 +104,8 @@ mod tests {
                 assert!((0..BLOCKS).map(of_block).sum::<usize>() <= limit);
             }
         }
-        assert_eq!((count.largest(), CountFragments::new(0).portions(1).count()), (5, 0));
+        assert_eq!(count.largest(), 5);
+        count.blocks = 0;
+        assert_eq!(count.portions(5).count(), 0);
     }
 }

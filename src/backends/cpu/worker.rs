@@ -9,7 +9,7 @@ use super::bins::Bins;
 use super::budget::Plan;
 use super::dispatch::Kernels;
 use super::hits::Hits;
-use super::portions::CountFragments;
+use super::portions::{BlockCounts, Portion};
 use super::sink::{Blend, Collect, OrderSlack};
 use super::tile::{PIXELS, TileFrame, place_of};
 use super::tile_source::LentTile;
@@ -161,23 +161,27 @@ impl Worker {
     /// nothing is drawn and their number returned.
     fn draw_again<O: Optics>(&mut self, task: &TileTask<O>, frame: &TileFrame, blocks: u64) -> usize {
         let Self { order, hits, collect, pixels, .. } = self;
-        let mut draw = |blocks: u64, hits: &mut Hits| {
-            collect.reset(blocks);
-            task.kernels.composite(frame, task.optics, order, hits, collect);
+        let mut draw = |portion: u64| -> BlockCounts {
+            let mut sink = Portion::new(blocks, portion, collect);
+            task.kernels.composite(frame, task.optics, order, hits, &mut sink);
+            let counts = sink.into_counts();
             collect.composite(task.optics, pixels);
+            counts
         };
         // A cell has at most one fragment a pixel.
+        let most = order.len().saturating_mul(LANES * blocks.count_ones() as usize);
         let limit = task.plan.map_or(usize::MAX, |plan| plan.fragments);
-        if order.len().saturating_mul(LANES * blocks.count_ones() as usize) <= limit || task.plan.is_none() {
-            draw(blocks, hits);
+        if most <= limit {
+            draw(blocks);
             return 0;
         }
-        let mut count = CountFragments::new(blocks);
-        task.kernels.composite(frame, task.optics, order, hits, &mut count);
+        let count = draw(0);
         if count.largest() > limit {
             return count.largest();
         }
-        count.portions(limit).for_each(|portion| draw(portion, hits));
+        for portion in count.portions(limit) {
+            draw(portion);
+        }
         0
     }
 }
