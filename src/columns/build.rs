@@ -136,6 +136,7 @@ impl Dataset {
             blocks,
             bounds,
             counts,
+            read_bytes: 0,
             backing: None,
         })
     }

@@ -130,6 +130,8 @@ pub struct Dataset {
     pub bounds: Bounds,
     /// What became of the file's cells.
     pub counts: CellCounts,
+    /// Bytes of a file that is held in memory whole, whose columns are parts of it.
+    pub read_bytes: u64,
     /// The file whose bytes are used in place, if there is one.
     pub backing: Option<Arc<Backing>>,
 }
@@ -176,7 +178,7 @@ impl Dataset {
                 .map(Column::owned_bytes)
                 .sum::<u64>();
         let arrays: u64 = self.arrays.iter().map(|array| array.values.owned_bytes()).sum();
-        columns + arrays + size_of_val(&self.blocks[..]) as u64
+        columns + arrays + size_of_val(&self.blocks[..]) as u64 + self.read_bytes
     }
 
     /// The cells of block `block`, as slices.

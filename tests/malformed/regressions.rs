@@ -2,7 +2,7 @@
 
 use crate::harness::{self, Ran, alone};
 use crate::seeds::{self, Style};
-use crate::targets::named;
+use crate::targets::{self, named};
 
 /// Reads within the reader's limits.
 #[track_caller]
@@ -78,6 +78,31 @@ fn messages_are_short() {
     refused("transfer-csv", format!("0 0 0 0 {long}"), &["…", "not a number"]);
     refused("paraview", format!("[{{\"Name\": \"{long}\", \"RGBPoints\": []}}]"), &["…", "has 0 numbers"]);
     refused("camera", format!("{{\"{long}\": 0}}"), &["…"]);
+}
+
+/// A container whose directory has `text` in place of `word`; it vouches for it.
+fn container_with(word: &str, text: &str) -> Vec<u8> {
+    let bytes = seeds::container().swap_remove(0);
+    let offset = u64::from_le_bytes(bytes[24..32].try_into().unwrap()) as usize;
+    let directory = String::from_utf8(bytes[offset..].to_vec()).unwrap();
+    assert!(directory.contains(word));
+    let mut changed = [&bytes[..offset], directory.replacen(word, text, 1).as_bytes()].concat();
+    targets::vouch(&mut changed);
+    changed
+}
+
+#[test]
+fn containers_are_short_and_harmless_in_what_they_say() {
+    let _alone = alone();
+    let long = "a".repeat(100_000);
+    refused(
+        "container",
+        container_with("value\",\"association\":\"point", &format!("{long}\",\"association\":\"cell")),
+        &["…"],
+    );
+    refused("container", container_with("\"point\"", &format!("\"{long}\"")), &["…"]);
+    refused("container", container_with("\"point\"", "\"\\u001b[2J\""), &["unknown variant"]);
+    ran("container", container_with("\"value\"", "\"\\u001b[2J\""));
 }
 
 #[test]

@@ -162,7 +162,7 @@ fn draw_dataset(dataset: Dataset) -> Result<(), String> {
 fn container(bytes: &[u8]) -> Result<(), String> {
     let message = |error: cellfan::Error| error.to_string();
     let mut bytes = bytes.to_vec();
-    if bytes.iter().fold(0_u8, |sum, &byte| sum.wrapping_add(byte)) % 2 == 0 {
+    if bytes.iter().fold(0_u8, |sum, &byte| sum.wrapping_add(byte)).is_multiple_of(2) {
         vouch(&mut bytes);
     }
     let path = seeds::pieces().join("any.cells");
@@ -181,7 +181,7 @@ fn container(bytes: &[u8]) -> Result<(), String> {
 }
 
 /// Makes header and directory agree.
-fn vouch(bytes: &mut [u8]) {
+pub(crate) fn vouch(bytes: &mut [u8]) {
     let len = bytes.len();
     let word = |bytes: &[u8], at: usize| Some(u64::from_le_bytes(bytes.get(at..at + 8)?.try_into().ok()?) as usize);
     let (Some(offset), true) = (word(bytes, 24), len >= 64) else { return };

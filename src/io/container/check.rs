@@ -10,7 +10,7 @@ use twox_hash::XxHash3_64;
 use super::directory::{ColumnSpan, Directory};
 use super::read::open;
 use crate::columns::{Dataset, orientation_of};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, presentable};
 use crate::io::mapping::bytes_of;
 
 /// What was checked.
@@ -32,7 +32,11 @@ pub fn check(path: &Path, use_map: bool) -> Result<Checked> {
     let (bytes, _) = bytes_of(path, File::open(path).map_err(at)?, use_map)?;
     let bytes = (*bytes).as_ref();
     let directory = Directory::read(bytes, path)?;
-    let malformed = |place: String, problem: String| Error::Malformed { path: path.to_owned(), place, problem };
+    let malformed = |place: String, problem: String| Error::Malformed {
+        path: path.to_owned(),
+        place: presentable(place),
+        problem: presentable(problem),
+    };
     let spans = directory.spans().map_err(|(place, problem)| malformed(place, problem))?;
     let is_wrong = |(_, span, _): &&ColumnSpan| {
         XxHash3_64::oneshot(&bytes[span.offset as usize..][..span.bytes as usize]) != span.xxh3

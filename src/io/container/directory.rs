@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use twox_hash::XxHash3_64;
 
 use crate::columns::{Association, CellCounts, Dataset};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, presentable};
 
 /// How a container begins; what text-mode transfers change is in it.
 pub const MAGIC: [u8; 8] = *b"\x89CELLS\r\n";
@@ -130,8 +130,11 @@ pub(super) struct RangeEntry {
 impl Directory {
     /// Finds the directory of a container and checks everything that can be checked without its columns.
     pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Self> {
-        let malformed =
-            |place: &str, problem: String| Error::Malformed { path: path.to_owned(), place: place.to_owned(), problem };
+        let malformed = |place: &str, problem: String| Error::Malformed {
+            path: path.to_owned(),
+            place: presentable(place.to_owned()),
+            problem: presentable(problem),
+        };
         let header = Header::from_bytes(bytes).map_err(|problem| malformed("header", problem))?;
         let len = bytes.len() as u64;
         if header.file_bytes != len {

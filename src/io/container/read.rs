@@ -12,7 +12,7 @@ use super::directory::{Directory, MAGIC, Span};
 use crate::columns::{
     Array, ArrayRanges, BitColumn, Block, Bounds, Column, Dataset, NumericColumn, SharedBytes, Tets, ValueRanges,
 };
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, presentable, without_controls};
 use crate::io::mapping::bytes_of;
 
 /// Whether the file at `path` begins as a container does.
@@ -94,7 +94,7 @@ pub fn open(path: &Path, use_map: bool) -> Result<Dataset> {
         }
         array_ranges.push(ArrayRanges { by_component });
         let (association, components) = (entry.association, entry.components as usize);
-        arrays.push(Array { name: entry.name, association, components, values });
+        arrays.push(Array { name: without_controls(entry.name), association, components, values });
     }
 
     Ok(Dataset {
@@ -110,6 +110,7 @@ pub fn open(path: &Path, use_map: bool) -> Result<Dataset> {
         blocks,
         bounds,
         counts: directory.counts,
+        read_bytes: if use_map { 0 } else { (*columns.bytes).as_ref().len() as u64 },
         backing,
     })
 }
@@ -134,6 +135,7 @@ impl Columns<'_> {
     }
 
     fn malformed(&self, place: &str, problem: String) -> Error {
-        Error::Malformed { path: self.path.to_owned(), place: place.to_owned(), problem }
+        let (place, problem) = (presentable(place.to_owned()), presentable(problem));
+        Error::Malformed { path: self.path.to_owned(), place, problem }
     }
 }
