@@ -122,15 +122,8 @@ fn report_container(path: &Path, dataset: &Dataset) -> Report {
 
 fn drawn(dataset: &Dataset) -> Drawn {
     let (vertices, cells) = (dataset.positions.len() as u64, dataset.tets.len() as u64);
-    let array_bytes: u64 = dataset.arrays.iter().map(|array| array.values.len() as u64 * bytes_each(array)).sum();
-    // Position and file index a vertex; corners, file index and orientation a cell.
-    let memory_bytes = vertices * (12 + 4) + cells * (16 + 4) + cells.div_ceil(8) + array_bytes;
-    Drawn { tetrahedra: cells, vertices, blocks: dataset.blocks.len() as u64, memory_bytes }
-}
-
-fn bytes_each(array: &Array) -> u64 {
-    let bits = array.values.type_name().trim_start_matches(|c: char| c.is_alphabetic());
-    bits.parse().map_or(8, |bits: u64| bits / 8)
+    let (blocks, memory_bytes) = (dataset.blocks.len() as u64, dataset.owned_bytes());
+    Drawn { tetrahedra: cells, vertices, blocks, memory_bytes }
 }
 
 fn array_report(array: &Array) -> ArrayReport {

@@ -35,7 +35,7 @@ pub(super) struct Drawn {
     pub(super) tetrahedra: u64,
     pub(super) vertices: u64,
     pub(super) blocks: u64,
-    /// What the mesh and its arrays take in memory.
+    /// What the mesh and its arrays take in memory; next to nothing for a container that is mapped.
     pub(super) memory_bytes: u64,
 }
 
