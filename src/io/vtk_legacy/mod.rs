@@ -21,7 +21,7 @@ use crate::error::Result;
 /// Reads a legacy `.vtk` file that is in memory; `path` is its name in messages.
 ///
 /// # Errors
-/// [`Error::Malformed`]; [`Error::Unsupported`] where the dataset is no unstructured grid; [`Error::IndexOutOfRange`]
+/// [`Error::Malformed`](crate::Error::Malformed); [`Error::Unsupported`](crate::Error::Unsupported) where the dataset is no unstructured grid; [`Error::IndexOutOfRange`](crate::Error::IndexOutOfRange)
 /// with the file's name.
 pub fn read_vtk(bytes: &[u8], path: &Path) -> Result<UnstructuredMesh> {
     let source = Source { path };
