@@ -72,6 +72,14 @@ pub struct CellCounts {
     pub degenerate: u64,
 }
 
+impl CellCounts {
+    /// All counts, in the order of the members.
+    pub(crate) fn all(&self) -> [u64; 8] {
+        let Self { in_file, lower_dimensional, ghost, unsupported, split, quadratic, inverted, degenerate } = *self;
+        [in_file, lower_dimensional, ghost, unsupported, split, quadratic, inverted, degenerate]
+    }
+}
+
 /// The values of one array over the cells of a mesh.
 #[derive(Clone, Debug)]
 pub struct ArrayRanges {

@@ -170,6 +170,10 @@ impl Directory {
                 format!("blocks of {} cells; this version reads {}", self.cells_per_block, Dataset::BLOCK_CELLS);
             return Err(directory(problem));
         }
+        // Sums of a few of them must not overflow.
+        if self.counts.all().iter().any(|&count| count > 1 << 53) {
+            return Err(directory("counts of more cells than a file can hold".to_owned()));
+        }
         if !self.origin.iter().all(|x| x.is_finite()) {
             return Err(directory("the origin is not finite".to_owned()));
         }

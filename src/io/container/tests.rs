@@ -213,6 +213,7 @@ fn directories_that_lie_are_refused_with_the_column() {
         (|d| d.cells *= 2, "bytes where"),
         (|d| d.vertices = 1 << 33, "vertices"),
         (|d| d.cells_per_block = 0, "blocks of 0"),
+        (|d| d.counts.ghost = u64::MAX, "counts"),
         (|d| d.cell_kind = "hexahedron".to_owned(), "hexahedron"),
     ] {
         let mut changed = directory.clone();

@@ -69,7 +69,7 @@ const VERTICES_AT_ONCE: usize = 1 << 18;
 /// file in the folder of `path`.
 ///
 /// # Errors
-/// Those of [`Dataset::from_tets`], and [`Error::Io`]; what was at `path` is then as it was.
+/// Those of [`Dataset::from_tets`], [`Error::Io`], [`Error::Unsupported`] on a big-endian machine; what was at `path` is then as it was.
 ///
 /// ```
 /// use cellfan::{Dataset, generate, io};
@@ -83,6 +83,10 @@ const VERTICES_AT_ONCE: usize = 1 << 18;
 /// # Ok::<(), cellfan::Error>(())
 /// ```
 pub fn write(source: &dyn TetSource, path: &Path, options: &WriteOptions, tell: Tell) -> Result<Written> {
+    if cfg!(target_endian = "big") {
+        let (what, advice) = ("a container on a big-endian machine", "write it on another");
+        return Err(Error::Unsupported { path: path.to_owned(), what: what.to_owned(), advice: advice.to_owned() });
+    }
     let points = source.points();
     let fixed_bytes = points.len() as u64 * 12;
     let sort_bytes = options.memory_bytes.saturating_sub(fixed_bytes).max(1 << 18);
