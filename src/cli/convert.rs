@@ -92,7 +92,7 @@ pub(super) fn write(source: &dyn TetSource, output: &Path, options: &WriteOption
         "wrote {}: {}, {}, {}; {rate:.1} million cells/s",
         output.display(),
         count(written.cells, "cell"),
-        count(written.vertices, "vertex").replace("vertexs", "vertices"),
+        count(written.vertices, "used point"),
         bytes(written.file_bytes),
     );
     tracing::debug!(narrow, blocks, "blocks with 16-bit vertex numbers");

@@ -171,9 +171,14 @@ fn check(
         let position = points.get(point as usize).to_array();
         return Err(Error::NonFinitePosition { point: point.into(), position });
     }
+    check_arrays(len, arrays, cells_in_file)
+}
+
+/// Every array has a tuple for each point, or for each cell of the file.
+pub(super) fn check_arrays(points: u64, arrays: &[Array], cells_in_file: u64) -> Result<()> {
     for array in arrays {
         let tuples = match array.association {
-            Association::Point => len,
+            Association::Point => points,
             Association::Cell => cells_in_file,
         };
         let expected = tuples.saturating_mul(array.components as u64);

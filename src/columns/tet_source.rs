@@ -1,6 +1,8 @@
 //! `TetSource`: tetrahedra that need not be in memory, for a mesh larger than it.
 
+use super::build::check_arrays;
 use super::{Association, CellCounts, Points, TetMesh};
+use crate::error::{Error, Result};
 
 /// Tetrahedra in file order that can be asked for one by one: a [`TetMesh`], or a rule that makes them.
 ///
@@ -20,6 +22,13 @@ pub trait TetSource: Sync {
     fn append_values(&self, array: usize, tuples: &[u32], bytes: &mut Vec<u8>);
     /// What became of the file's cells so far.
     fn counts(&self) -> CellCounts;
+    /// What the methods above take for granted: there is a file cell for each tetrahedron, and a tuple for each point or file cell.
+    ///
+    /// # Errors
+    /// [`Error::LengthMismatch`](crate::Error::LengthMismatch).
+    fn check(&self) -> Result<()> {
+        Ok(())
+    }
 }
 
 /// What is known of an array before its values.
@@ -69,5 +78,13 @@ impl TetSource for TetMesh {
 
     fn counts(&self) -> CellCounts {
         self.counts
+    }
+
+    fn check(&self) -> Result<()> {
+        let (len, expected) = (self.file_from_tet.len() as u64, self.tets.len() as u64);
+        if len != expected {
+            return Err(Error::LengthMismatch { column: "file_from_tet".to_owned(), len, expected });
+        }
+        check_arrays(self.points.len() as u64, &self.arrays, self.counts.in_file)
     }
 }

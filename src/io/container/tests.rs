@@ -149,7 +149,9 @@ fn what_cannot_be_drawn_leaves_no_file() {
     let refused = |mesh: TetMesh| write(&mesh, &path, &WriteOptions::default(), &|_, _, _| {}).unwrap_err().to_string();
     for (change, part) in [
         ((|mesh| mesh.tets[1][2] = 6) as fn(&mut TetMesh), "cell 2 refers to point 6"),
-        (|mesh| mesh.tets.clear(), "no cell with a volume"),
+        (|mesh| mesh.counts.in_file = 3, "has 4 entries where 3 are needed"),
+        (|mesh| mesh.file_from_tet.truncate(2), "file_from_tet: has 2"),
+        (|mesh| (mesh.tets, mesh.file_from_tet) = (vec![], vec![]), "no cell with a volume"),
         (|mesh| mesh.points = Points::F32(vec![[f32::NAN; 3]; 6]), "not finite"),
         (|mesh| mesh.tets = vec![[0, 0, 1, 2]; 3], "flat"),
     ] {

@@ -87,6 +87,7 @@ pub fn write(source: &dyn TetSource, path: &Path, options: &WriteOptions, tell: 
         let (what, advice) = ("a container on a big-endian machine", "write it on another");
         return Err(Error::Unsupported { path: path.to_owned(), what: what.to_owned(), advice: advice.to_owned() });
     }
+    source.check()?;
     let points = source.points();
     let fixed_bytes = points.len() as u64 * 12;
     let sort_bytes = options.memory_bytes.saturating_sub(fixed_bytes).max(1 << 18);
