@@ -138,8 +138,8 @@ pub struct Rendered {
 /// // One tetrahedron, one unit thick where the middle ray meets it, of constant extinction 2 per unit.
 /// let mesh = TetMesh {
 ///     points: Points::F64(vec![[0.0, -1.0, -1.0], [0.0, 1.0, -1.0], [0.0, 0.0, 1.0], [2.0, 0.0, -0.25]]),
-///     tets: vec![[0, 1, 2, 3]],
-///     file_from_tet: vec![0],
+///     tets: vec![[0, 1, 2, 3]].into(),
+///     file_from_tet: vec![0].into(),
 ///     arrays: vec![],
 ///     counts: Default::default(),
 /// };

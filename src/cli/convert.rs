@@ -7,7 +7,7 @@ use std::time::Instant;
 use cellfan::Error;
 use cellfan::columns::TetSource;
 use cellfan::io::container::{self, Phase, WriteOptions, Written};
-use cellfan::io::{check_target, open_mesh};
+use cellfan::io::{Scratch, check_target, open_mesh_in};
 use clap::Args;
 
 use super::Outcome;
@@ -23,8 +23,8 @@ pub(super) struct Arguments {
     /// The container to write.
     #[arg(value_name = "OUT.cells")]
     output: PathBuf,
-    /// Memory for points and sorting, 800M or 2Gi; cells that do not fit go through a temporary file in the output's folder
-    /// [default: 1Gi].
+    /// Memory for cells, arrays and sorting, 800M or 2Gi; what does not fit goes through temporary files in the output's
+    /// folder. Points take 40 bytes each beside it [default: 1Gi].
     #[arg(long, value_name = "BYTES", value_parser = memory, allow_hyphen_values = true)]
     memory: Option<u64>,
     /// Also write which cells share a face, 16 bytes a cell: an order by neighbours then need not find it.
@@ -45,13 +45,15 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         let problem = format!("\"{}\" is a container already", path.display());
         return Err(Error::Option { option: "MESH", problem }.into());
     }
+    let memory_bytes = arguments.memory.unwrap_or(WriteOptions::default().memory_bytes);
+    // One half holds columns all the time, the other sorts.
+    let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let scratch = Scratch::in_folder(folder, memory_bytes / 2);
     let mesh = {
         let _progress = Progress::running(format!("reading {}", path.display()));
-        open_mesh(path)?.into_tets().map_err(|error| error.in_file(path))?
+        open_mesh_in(path, &scratch)?.into_tets_in(&scratch).map_err(|error| error.in_file(path))?
     };
-    let default = WriteOptions::default();
-    let memory_bytes = arguments.memory.unwrap_or(default.memory_bytes);
-    let options = WriteOptions { memory_bytes, adjacency: arguments.adjacency };
+    let options = WriteOptions { memory_bytes: memory_bytes / 2, adjacency: arguments.adjacency };
     write(&mesh, output, &options).map_err(|error| error.in_file(path))?;
     Ok(())
 }

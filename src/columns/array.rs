@@ -100,6 +100,12 @@ macro_rules! numeric_column {
             fn from(values: Vec<$type>) -> Self {
                 Self::$variant(values.into())
             }
+        }
+
+        impl From<Column<$type>> for NumericColumn {
+            fn from(values: Column<$type>) -> Self {
+                Self::$variant(values)
+            }
         })*
     };
 }

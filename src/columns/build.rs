@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::placement::{Placement, orientation_of};
 use super::spatial_order::{self, UNUSED};
-use super::{Array, Association, Block, Bounds, CellCounts, Dataset};
+use super::{Array, Association, Block, Bounds, CellCounts, Column, Dataset};
 use crate::error::{Error, Result};
 
 /// Point coordinates as a file holds them.
@@ -50,9 +50,9 @@ pub struct TetMesh {
     /// All points of the file.
     pub points: Points,
     /// Four points each, in either orientation.
-    pub tets: Vec<[u32; 4]>,
+    pub tets: Column<[u32; 4]>,
     /// The file's cell of each tetrahedron; ascending.
-    pub file_from_tet: Vec<u32>,
+    pub file_from_tet: Column<u32>,
     /// Arrays over the file's points and cells.
     pub arrays: Vec<Array>,
     /// What the reader left out or split; `inverted` and `degenerate` are counted here.
@@ -83,10 +83,9 @@ impl Dataset {
         counts.inverted = orientation.par_iter().filter(|&&sign| sign < 0).count() as u64;
         counts.degenerate = orientation.par_iter().filter(|&&sign| sign == 0).count() as u64;
         if counts.degenerate > 0 {
-            let mut has_volume = orientation.iter().map(|&sign| sign != 0);
-            tets.retain(|_| has_volume.next() == Some(true));
-            let mut has_volume = orientation.iter().map(|&sign| sign != 0);
-            file_from_tet.retain(|_| has_volume.next() == Some(true));
+            let has_volume = |tet: &usize| orientation[*tet] != 0;
+            file_from_tet = (0..tets.len()).filter(has_volume).map(|tet| file_from_tet[tet]).collect();
+            tets = (0..tets.len()).filter(has_volume).map(|tet| tets[tet]).collect();
         }
         if tets.is_empty() {
             return Err(Error::NoCells { found: describe(&counts) });

@@ -24,7 +24,7 @@ pub struct Column<T> {
 }
 
 enum Storage<T> {
-    Owned(Arc<[T]>),
+    Owned(Arc<Vec<T>>),
     Shared { bytes: SharedBytes, range: Range<usize>, values: PhantomData<T> },
 }
 
@@ -48,8 +48,21 @@ impl<T: Pod> Column<T> {
     /// Bytes of memory that the values take; none where they are used in place.
     pub fn owned_bytes(&self) -> u64 {
         match &self.storage {
-            Storage::Owned(values) => size_of_val(&**values) as u64,
+            Storage::Owned(values) => size_of_val(&values[..]) as u64,
             Storage::Shared { .. } => 0,
+        }
+    }
+}
+
+impl<T: Pod> Column<T> {
+    /// The values to be changed; copied first where they are used in place or shared with another column.
+    pub fn to_mut(&mut self) -> &mut Vec<T> {
+        if let Storage::Shared { .. } = self.storage {
+            *self = self.to_vec().into();
+        }
+        match &mut self.storage {
+            Storage::Owned(values) => Arc::make_mut(values),
+            Storage::Shared { .. } => unreachable!("owned since the line above"),
         }
     }
 }
@@ -67,13 +80,13 @@ impl<T: Pod> Deref for Column<T> {
 
 impl<T> From<Vec<T>> for Column<T> {
     fn from(values: Vec<T>) -> Self {
-        Self { storage: Storage::Owned(values.into()) }
+        Self { storage: Storage::Owned(Arc::new(values)) }
     }
 }
 
 impl<T> FromIterator<T> for Column<T> {
     fn from_iter<I: IntoIterator<Item = T>>(values: I) -> Self {
-        Self { storage: Storage::Owned(values.into_iter().collect()) }
+        Self { storage: Storage::Owned(Arc::new(values.into_iter().collect())) }
     }
 }
 
@@ -87,6 +100,12 @@ impl<T> Clone for Column<T> {
             }
         };
         Self { storage }
+    }
+}
+
+impl<T: Pod + PartialEq> PartialEq for Column<T> {
+    fn eq(&self, other: &Self) -> bool {
+        self[..] == other[..]
     }
 }
 

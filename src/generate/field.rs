@@ -32,7 +32,7 @@ pub(super) fn sample(points: Vec<[f32; 3]>, tets: Vec<[u32; 4]>, field: impl Fn(
         counts: CellCounts { in_file: tets.len() as u64, ..CellCounts::default() },
         arrays: ARRAYS.into_iter().zip([value, cell_value]).map(array).collect(),
         points: Points::F32(points),
-        tets,
+        tets: tets.into(),
     }
 }
 

@@ -4,6 +4,7 @@
 //! cells. A mesh of tetrahedra keeps its points; cells with more corners are split by [`cells::split`].
 
 use super::UnstructuredMesh;
+use super::scratch::Scratch;
 use super::source::quote;
 use crate::cells::{self, CellClass, CellKind, Nodes};
 use crate::columns::{Array, Association, CellCounts, Dataset, TetMesh};
@@ -22,11 +23,19 @@ impl UnstructuredMesh {
     /// [`Error::LengthMismatch`] where offsets, types or arrays do not fit each other, [`Error::IndexOutOfRange`], and
     /// [`Error::TooLarge`].
     pub fn into_tets(self) -> Result<TetMesh> {
+        self.into_tets_in(&Scratch::memory())
+    }
+
+    /// As [`UnstructuredMesh::into_tets`], the tetrahedra where `scratch` says.
+    ///
+    /// # Errors
+    /// Those of [`UnstructuredMesh::into_tets`], and [`Error::Io`] where a nameless file cannot be written.
+    pub fn into_tets_in(self, scratch: &Scratch) -> Result<TetMesh> {
         check(&self)?;
         let hidden = Hidden::of(&self.arrays);
         let mut counts = CellCounts { in_file: self.cells() as u64, ..CellCounts::default() };
         let mut canonical_from_point = Vec::new();
-        let (mut tets, mut file_from_tet) = (Vec::new(), Vec::new());
+        let (mut tets, mut file_from_tet) = (scratch.column(), scratch.column());
         for (cell, &code) in self.types.iter().enumerate() {
             let corners = corners_of(&self, cell)?;
             let (kind, nodes) = match cells::classify(code) {
@@ -52,25 +61,29 @@ impl UnstructuredMesh {
             }
             counts.quadratic += u64::from(nodes != Nodes::Linear);
             if kind.corners == 4 {
-                tets.push([corners[0], corners[1], corners[2], corners[3]]);
-                file_from_tet.push(cell as u32);
+                tets.push([corners[0], corners[1], corners[2], corners[3]])?;
+                file_from_tet.push(cell as u32)?;
                 continue;
             }
             counts.split += 1;
             if canonical_from_point.is_empty() {
                 canonical_from_point = cells::canonical_from_point(&self.points);
             }
+            let mut pushed = Ok(());
             cells::split(
                 kind,
                 corners,
                 |point| canonical_from_point[point as usize],
                 |tet| {
-                    tets.push(tet);
-                    file_from_tet.push(cell as u32);
+                    if pushed.is_ok() {
+                        pushed = tets.push(tet).and_then(|()| file_from_tet.push(cell as u32));
+                    }
                 },
             );
+            pushed?;
         }
         let Self { points, arrays, .. } = self;
+        let (tets, file_from_tet) = (tets.finish()?, file_from_tet.finish()?);
         Ok(TetMesh { points, tets, file_from_tet, arrays, counts })
     }
 

@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
-use super::{UnstructuredMesh, read_pvtu, read_vtk, read_vtu};
+use super::pvtu::read_pvtu_in;
+use super::vtk_legacy::read_vtk_in;
+use super::vtu::read_vtu_in;
+use super::{Scratch, UnstructuredMesh};
 use crate::error::{Error, Result};
 
 /// A format that is read.
@@ -14,8 +17,8 @@ pub struct Format {
     pub extensions: &'static [&'static str],
     /// Whether a file that begins like this is of the format, whatever it is called.
     pub recognises: fn(&[u8]) -> bool,
-    /// Reads the bytes of a file with a name.
-    pub read: fn(&[u8], &Path) -> Result<UnstructuredMesh>,
+    /// Reads the bytes of a file with a name; its columns go where the scratch says.
+    pub read: fn(&[u8], &Path, &Scratch) -> Result<UnstructuredMesh>,
 }
 
 /// A format that is known and not read.
@@ -40,19 +43,19 @@ pub const READ: &[Format] = &[
         name: "VTK XML unstructured grid",
         extensions: &["vtu"],
         recognises: |bytes| xml_type(bytes).is_some_and(|kind| kind == b"UnstructuredGrid"),
-        read: read_vtu,
+        read: read_vtu_in,
     },
     Format {
         name: "VTK XML parallel unstructured grid",
         extensions: &["pvtu"],
         recognises: |bytes| xml_type(bytes).is_some_and(|kind| kind == b"PUnstructuredGrid"),
-        read: read_pvtu,
+        read: read_pvtu_in,
     },
     Format {
         name: "VTK legacy",
         extensions: &["vtk"],
         recognises: |bytes| bytes.starts_with(b"# vtk DataFile"),
-        read: read_vtk,
+        read: read_vtk_in,
     },
 ];
 

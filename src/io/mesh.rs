@@ -1,7 +1,8 @@
 //! `UnstructuredMesh`: cells of any kinds in file order, as VTK's unstructured grids hold them.
 
 use super::numbers;
-use crate::columns::{Array, Association, Points, TetMesh};
+use super::scratch::Scratch;
+use crate::columns::{Array, Association, Column, Points, TetMesh};
 use crate::error::{Error, Result};
 
 /// An unstructured grid in file order; nothing in it has been checked against anything else.
@@ -10,9 +11,9 @@ use crate::error::{Error, Result};
 /// # use cellfan::{columns::Points, io::UnstructuredMesh};
 /// let mesh = UnstructuredMesh {
 ///     points: Points::F32(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]),
-///     types: vec![10],
-///     offsets: vec![0, 4],
-///     connectivity: vec![0, 1, 2, 3],
+///     types: vec![10].into(),
+///     offsets: vec![0, 4].into(),
+///     connectivity: vec![0, 1, 2, 3].into(),
 ///     arrays: Vec::new(),
 /// };
 /// assert_eq!(mesh.into_dataset().unwrap().tets.len(), 1);
@@ -22,11 +23,11 @@ pub struct UnstructuredMesh {
     /// All points of the file.
     pub points: Points,
     /// VTK's code of each cell.
-    pub types: Vec<u8>,
+    pub types: Column<u8>,
     /// Where in `connectivity` each cell begins, and the end: one entry more than there are cells.
-    pub offsets: Vec<u64>,
+    pub offsets: Column<u64>,
     /// The points of the cells, one cell after the other.
-    pub connectivity: Vec<u32>,
+    pub connectivity: Column<u32>,
     /// Arrays over the points and cells.
     pub arrays: Vec<Array>,
 }
@@ -34,8 +35,8 @@ pub struct UnstructuredMesh {
 impl UnstructuredMesh {
     /// A mesh without points and cells.
     pub fn empty() -> Self {
-        let (types, connectivity, arrays) = (Vec::new(), Vec::new(), Vec::new());
-        Self { points: Points::F32(Vec::new()), types, offsets: vec![0], connectivity, arrays }
+        let (types, connectivity) = (Vec::new().into(), Vec::new().into());
+        Self { points: Points::F32(Vec::new()), types, offsets: vec![0].into(), connectivity, arrays: Vec::new() }
     }
 
     /// How many cells there are, of any kind.
@@ -67,9 +68,9 @@ impl UnstructuredMesh {
         };
         Self {
             points: points.clone(),
-            types: vec![10; tets.len()],
+            types: vec![10; tets.len()].into(),
             offsets: (0..=tets.len() as u64).map(|tet| 4 * tet).collect(),
-            connectivity: tets.as_flattened().to_vec(),
+            connectivity: tets.as_flattened().to_vec().into(),
             arrays: arrays.iter().map(array).collect(),
         }
     }
@@ -77,8 +78,8 @@ impl UnstructuredMesh {
     /// The pieces as one mesh, in order; arrays that not all pieces have are left out.
     ///
     /// # Errors
-    /// [`Error::TooLarge`] where the points are more than `u32` can name.
-    pub fn concat(mut pieces: Vec<Self>) -> Result<Self> {
+    /// [`Error::TooLarge`] where the points are more than `u32` can name, and those of the scratch.
+    pub(super) fn concat(mut pieces: Vec<Self>, scratch: &Scratch) -> Result<Self> {
         if pieces.len() > 1 {
             pieces.retain(|piece| !piece.points.is_empty() || !piece.types.is_empty());
         }
@@ -92,19 +93,23 @@ impl UnstructuredMesh {
         if len > limit {
             return Err(Error::TooLarge { column: "points", len, limit });
         }
-        let mut all = Self { points: concat_points(&pieces), arrays: concat_arrays(&pieces), ..Self::empty() };
+        let points = concat_points(&pieces);
+        let arrays = concat_arrays(&pieces, scratch)?;
+        let (mut types, mut offsets, mut connectivity) = (scratch.column(), scratch.column(), scratch.column());
+        offsets.push(0)?;
         let mut first_point = 0;
         for piece in pieces {
-            let base = all.connectivity.len() as u64;
-            all.types.extend(piece.types);
-            all.offsets.extend(piece.offsets.iter().skip(1).map(|offset| base.saturating_add(*offset)));
+            let base = connectivity.len() as u64;
+            types.extend(piece.types.iter().copied())?;
+            offsets.extend(piece.offsets.iter().skip(1).map(|offset| base.saturating_add(*offset)))?;
             // An index beyond its piece must not come to name a point of the next one.
             let points = piece.points.len() as u32;
             let shift = |&index: &u32| if index < points { first_point + index } else { u32::MAX };
-            all.connectivity.extend(piece.connectivity.iter().map(shift));
+            connectivity.extend(piece.connectivity.iter().map(shift))?;
             first_point += points;
         }
-        Ok(all)
+        let (types, offsets, connectivity) = (types.finish()?, offsets.finish()?, connectivity.finish()?);
+        Ok(Self { points, types, offsets, connectivity, arrays })
     }
 }
 
@@ -120,7 +125,7 @@ fn concat_points(pieces: &[UnstructuredMesh]) -> Points {
     Points::F64(all.collect())
 }
 
-fn concat_arrays(pieces: &[UnstructuredMesh]) -> Vec<Array> {
+fn concat_arrays(pieces: &[UnstructuredMesh], scratch: &Scratch) -> Result<Vec<Array>> {
     let mut arrays = Vec::new();
     for array in &pieces[0].arrays {
         let Array { name, association, components, .. } = array;
@@ -129,11 +134,11 @@ fn concat_arrays(pieces: &[UnstructuredMesh]) -> Vec<Array> {
             (found.components == *components).then_some(found)
         };
         if let Some(parts) = pieces.iter().map(same).collect::<Option<Vec<_>>>() {
-            let values = numbers::concat(&parts.iter().map(|part| &part.values).collect::<Vec<_>>());
+            let values = numbers::concat(&parts.iter().map(|part| &part.values).collect::<Vec<_>>(), scratch)?;
             arrays.push(Array { values, ..array.clone() });
         } else {
             tracing::warn!(array = name, "not in every piece, left out");
         }
     }
-    arrays
+    Ok(arrays)
 }

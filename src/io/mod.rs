@@ -12,6 +12,7 @@ mod mesh;
 mod numbers;
 mod offsets;
 mod pvtu;
+mod scratch;
 mod source;
 mod vtk_legacy;
 mod vtk_xml;
@@ -25,10 +26,12 @@ use std::path::Path;
 pub use crate::atomic::check_target;
 pub use mesh::UnstructuredMesh;
 pub use pvtu::read_pvtu;
+pub use scratch::Scratch;
 pub use vtk_legacy::read_vtk;
 pub use vtu::read_vtu;
 pub use write_vtu::{Compression, write_vtu};
 
+use crate::atomic::io_at;
 use crate::columns::Dataset;
 use crate::error::{Error, Result};
 
@@ -66,19 +69,29 @@ pub fn open_with(path: &Path, use_map: bool) -> Result<Dataset> {
 /// # Errors
 /// Those of [`open`] that concern the file and not what is drawn.
 pub fn open_mesh(path: &Path) -> Result<UnstructuredMesh> {
+    open_mesh_in(path, &Scratch::memory())
+}
+
+/// As [`open_mesh`], for a mesh larger than memory: its columns go where `scratch` says.
+///
+/// # Errors
+/// Those of [`open_mesh`], and [`Error::Io`] where a nameless file cannot be written.
+pub fn open_mesh_in(path: &Path, scratch: &Scratch) -> Result<UnstructuredMesh> {
     if path.is_dir() {
         let advice = "name a file in it".to_owned();
         return Err(Error::Unsupported { path: path.to_owned(), what: "a folder".to_owned(), advice });
     }
-    let io_error = |source| Error::Io { path: path.to_owned(), source };
-    let mut file = File::open(path).map_err(io_error)?;
-    let mut bytes = Vec::new();
+    let mut file = File::open(path).map_err(io_at(path))?;
+    let mut head = Vec::new();
     // Its beginning is enough to refuse a file.
-    file.by_ref().take(formats::HEAD_BYTES as u64).read_to_end(&mut bytes).map_err(io_error)?;
-    let format = formats::find(&bytes, path)?;
-
-    file.read_to_end(&mut bytes).map_err(io_error)?;
-    (format.read)(&bytes, path)
+    file.by_ref().take(formats::HEAD_BYTES as u64).read_to_end(&mut head).map_err(io_at(path))?;
+    let format = formats::find(&head, path)?;
+    if scratch.maps(&file) {
+        return (format.read)((*scratch.bytes_of(path, file)?).as_ref(), path, scratch);
+    }
+    let mut bytes = head;
+    file.read_to_end(&mut bytes).map_err(io_at(path))?;
+    (format.read)(&bytes, path, scratch)
 }
 
 /// Reads a file that is in memory; `path` gives its extension, its name in messages, and where its pieces are.
@@ -86,7 +99,7 @@ pub fn open_mesh(path: &Path) -> Result<UnstructuredMesh> {
 /// # Errors
 /// Those of [`open_mesh`].
 pub fn read_mesh(bytes: &[u8], path: &Path) -> Result<UnstructuredMesh> {
-    (formats::find(bytes, path)?.read)(bytes, path)
+    (formats::find(bytes, path)?.read)(bytes, path, &Scratch::memory())
 }
 
 #[cfg(test)]

@@ -1,6 +1,10 @@
 //! `NumberType`: the numeric types of files, and how their bytes and their text become columns.
 
-use crate::columns::{NumericColumn, Points};
+use bytemuck::Pod;
+
+use super::scratch::{Growing, Scratch, collect};
+use crate::columns::{Column, NumericColumn, Points};
+use crate::error::{Error, Result};
 
 /// The order of a number's bytes in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,35 +27,50 @@ macro_rules! number_types {
                 match self { $(Self::$variant => size_of::<$type>()),* }
             }
 
-            /// All whole values in `bytes`.
-            pub(super) fn decode(self, bytes: &[u8], order: ByteOrder) -> NumericColumn {
+            /// All whole values in the `bytes` bytes of `chunks`, one after the other.
+            ///
+            /// # Errors
+            /// The first error of a chunk, or of the scratch.
+            pub(super) fn decode<B: AsRef<[u8]>>(
+                self,
+                bytes: usize,
+                chunks: impl IntoIterator<Item = Result<B>>,
+                order: ByteOrder,
+                scratch: &Scratch,
+            ) -> Result<NumericColumn> {
                 match self {
                     $(Self::$variant => {
-                        let values = bytes.chunks_exact(size_of::<$type>()).map(|value| {
-                            let value = value.try_into().unwrap_or_default();
-                            match order {
+                        let mut column = scratch.column::<$type>();
+                        column.reserve(bytes / size_of::<$type>());
+                        for_each_value(chunks, |value| {
+                            column.push(match order {
                                 ByteOrder::Little => <$type>::from_le_bytes(value),
                                 ByteOrder::Big => <$type>::from_be_bytes(value),
-                            }
-                        });
-                        values.collect::<Vec<$type>>().into()
+                            })
+                        })?;
+                        Ok(NumericColumn::$variant(column.finish()?))
                     })*
                 }
             }
 
-            /// One value a token; the token that is none of this type is the error.
-            pub(super) fn parse<'t>(self, tokens: impl Iterator<Item = &'t [u8]>) -> Result<NumericColumn, &'t [u8]> {
+            /// One value a token; `error` is told place and text of a token that is none of this type.
+            pub(super) fn parse<'t>(
+                self,
+                tokens: impl Iterator<Item = &'t [u8]>,
+                scratch: &Scratch,
+                error: impl Fn(usize, &'t [u8]) -> Error,
+            ) -> Result<NumericColumn> {
                 match self {
                     $(Self::$variant => {
-                        let values = tokens.map(|token| <$type as Token>::read(token).ok_or(token));
-                        Ok(values.collect::<Result<Vec<$type>, _>>()?.into())
+                        let value = |(i, token)| <$type as Token>::read(token).ok_or_else(|| error(i, token));
+                        Ok(NumericColumn::$variant(collect(scratch, tokens.enumerate().map(value))?))
                     })*
                 }
             }
         }
 
         /// The values of several columns one after the other: of their type where they share one, else widened.
-        pub(super) fn concat(columns: &[&NumericColumn]) -> NumericColumn {
+        pub(super) fn concat(columns: &[&NumericColumn], scratch: &Scratch) -> Result<NumericColumn> {
             match columns {
                 $([NumericColumn::$variant(_), ..]
                     if columns.iter().all(|column| matches!(column, NumericColumn::$variant(_))) =>
@@ -60,11 +79,18 @@ macro_rules! number_types {
                         NumericColumn::$variant(values) => Some(&values[..]),
                         _ => None,
                     });
-                    parts.flatten().copied().collect::<Vec<$type>>().into()
+                    let mut all = scratch.column::<$type>();
+                    for part in parts {
+                        all.extend(part.iter().copied())?;
+                    }
+                    Ok(NumericColumn::$variant(all.finish()?))
                 })*
                 _ => {
-                    let values = columns.iter().flat_map(|column| (0..column.len()).map(|i| column.get(i)));
-                    values.collect::<Vec<f64>>().into()
+                    let mut all = scratch.column::<f64>();
+                    for column in columns {
+                        all.extend((0..column.len()).map(|i| column.get(i)))?;
+                    }
+                    Ok(NumericColumn::F64(all.finish()?))
                 }
             }
         }
@@ -107,10 +133,44 @@ pub(super) fn points_from(column: &NumericColumn) -> Points {
     }
 }
 
-/// Whole numbers of type `T` out of a column that holds only such from 0 to `limit`; the first other one is the error.
-pub(super) fn whole_numbers<T: TryFrom<u64>>(column: &NumericColumn, limit: u64) -> Result<Vec<T>, (usize, i64)> {
-    // Of the size it will have (offsets get a 0 in front): what is collected while it may fail takes three times as much.
-    let mut whole = Vec::with_capacity(column.len() + 1);
+/// Calls `each` with the bytes of every value, which may lie in two chunks; bytes that are no whole value are left out.
+fn for_each_value<const SIZE: usize, B: AsRef<[u8]>>(
+    chunks: impl IntoIterator<Item = Result<B>>,
+    mut each: impl FnMut([u8; SIZE]) -> Result<()>,
+) -> Result<()> {
+    let (mut begun, mut begun_bytes) = ([0; SIZE], 0);
+    for chunk in chunks {
+        let chunk = chunk?;
+        let mut bytes = chunk.as_ref();
+        if begun_bytes > 0 {
+            let missing = (SIZE - begun_bytes).min(bytes.len());
+            begun[begun_bytes..][..missing].copy_from_slice(&bytes[..missing]);
+            begun_bytes += missing;
+            bytes = &bytes[missing..];
+            if begun_bytes < SIZE {
+                continue;
+            }
+            each(begun)?;
+        }
+        let (values, rest) = bytes.as_chunks();
+        for &value in values {
+            each(value)?;
+        }
+        begun[..rest.len()].copy_from_slice(rest);
+        begun_bytes = rest.len();
+    }
+    Ok(())
+}
+
+/// Appends the whole numbers of type `T` of a column that holds only such from 0 to `limit`; `error` is told place and value of
+/// another one.
+pub(super) fn push_whole_numbers<T: TryFrom<u64> + Pod>(
+    column: &NumericColumn,
+    limit: u64,
+    whole: &mut Growing<'_, T>,
+    error: impl Fn(usize, i64) -> Error,
+) -> Result<()> {
+    whole.reserve(column.len());
     for i in 0..column.len() {
         let (value, found) = match column {
             NumericColumn::I64(values) => (u64::try_from(values[i]).ok(), values[i]),
@@ -121,9 +181,21 @@ pub(super) fn whole_numbers<T: TryFrom<u64>>(column: &NumericColumn, limit: u64)
             }
         };
         let value = value.filter(|&value| value <= limit).and_then(|value| T::try_from(value).ok());
-        whole.push(value.ok_or((i, found))?);
+        whole.push(value.ok_or_else(|| error(i, found))?)?;
     }
-    Ok(whole)
+    Ok(())
+}
+
+/// [`push_whole_numbers`] as a column.
+pub(super) fn whole_numbers<T: TryFrom<u64> + Pod>(
+    column: &NumericColumn,
+    limit: u64,
+    scratch: &Scratch,
+    error: impl Fn(usize, i64) -> Error,
+) -> Result<Column<T>> {
+    let mut whole = scratch.column();
+    push_whole_numbers(column, limit, &mut whole, error)?;
+    whole.finish()
 }
 
 /// A number in text.
@@ -181,8 +253,13 @@ fn unusual_float(text: &str) -> Option<String> {
 mod tests {
     use super::*;
 
+    fn parse<'t>(number: NumberType, tokens: impl Iterator<Item = &'t [u8]>) -> Result<NumericColumn> {
+        let error = |_, token: &[u8]| Error::NoCells { found: String::from_utf8_lossy(token).into_owned() };
+        number.parse(tokens, &Scratch::memory(), error)
+    }
+
     fn floats(text: &str) -> Vec<f64> {
-        let column = NumberType::F64.parse(text.as_bytes().split(u8::is_ascii_whitespace)).unwrap();
+        let column = parse(NumberType::F64, text.as_bytes().split(u8::is_ascii_whitespace)).unwrap();
         (0..column.len()).map(|i| column.get(i)).collect()
     }
 
@@ -198,35 +275,54 @@ mod tests {
 
     #[test]
     fn integers_out_of_range_are_refused_and_whole_floats_read() {
-        assert_eq!(NumberType::U8.parse([&b"256"[..]].into_iter()).unwrap_err(), b"256");
-        assert_eq!(NumberType::U8.parse([&b"-1"[..]].into_iter()).unwrap_err(), b"-1");
-        assert_eq!(NumberType::I32.parse([&b"1.5"[..]].into_iter()).unwrap_err(), b"1.5");
-        assert_eq!(NumberType::I32.parse([&b"3.0"[..]].into_iter()).unwrap().get(0), 3.0);
+        let one = |number, token: &'static str| parse(number, [token.as_bytes()].into_iter());
+        for (number, token) in [(NumberType::U8, "256"), (NumberType::U8, "-1"), (NumberType::I32, "1.5")] {
+            assert!(matches!(one(number, token), Err(Error::NoCells { found }) if found == token));
+        }
+        assert_eq!(one(NumberType::I32, "3.0").unwrap().get(0), 3.0);
         assert!(
-            matches!(&NumberType::U64.parse([&b"18446744073709551615"[..]].into_iter()).unwrap(), NumericColumn::U64(v) if v[0] == u64::MAX)
+            matches!(one(NumberType::U64, "18446744073709551615").unwrap(), NumericColumn::U64(v) if v[0] == u64::MAX)
         );
     }
 
     #[test]
-    fn both_byte_orders_decode() {
-        assert_eq!(NumberType::I16.decode(&[1, 2, 3], ByteOrder::Big).get(0), 258.0);
-        assert_eq!(NumberType::I16.decode(&[1, 2, 3], ByteOrder::Little).get(0), 513.0);
+    fn both_byte_orders_decode_wherever_the_bytes_are_cut() {
+        let bytes = [0, 1, 2, 3, 4, 5, 6, 7, 8];
+        for cut in 0..=bytes.len() {
+            let (a, b) = bytes.split_at(cut);
+            for (order, expected) in
+                [(ByteOrder::Big, [0x0001_0203, 0x0405_0607]), (ByteOrder::Little, [0x0302_0100, 0x0706_0504])]
+            {
+                let chunks = [a, &[], b].map(Ok);
+                let column = NumberType::I32.decode(bytes.len(), chunks, order, &Scratch::memory()).unwrap();
+                assert!(matches!(&column, NumericColumn::I32(v) if v[..] == expected), "cut at {cut}");
+            }
+        }
     }
 
     #[test]
     fn columns_of_different_types_concatenate_widened() {
         let (a, b) = (NumericColumn::from(vec![1_u8]), NumericColumn::from(vec![2.5_f32]));
-        assert_eq!(concat(&[&a, &a]).type_name(), "u8");
-        assert_eq!(concat(&[&a, &b]).get(1), 2.5);
+        let memory = Scratch::memory();
+        assert_eq!(concat(&[&a, &a], &memory).unwrap().type_name(), "u8");
+        assert_eq!(concat(&[&a, &b], &memory).unwrap().get(1), 2.5);
     }
 
     #[test]
     fn negative_indices_are_found() {
-        let whole = |column: NumericColumn| whole_numbers::<u8>(&column, 300);
-        assert_eq!(whole(vec![0_i32, -1].into()), Err((1, -1)));
-        assert_eq!(whole(vec![301_u64].into()), Err((0, 301)));
-        assert_eq!(whole(vec![256_u64].into()), Err((0, 256)), "beyond the type");
-        assert_eq!(whole(vec![0.5_f32].into()), Err((0, 0)));
+        let whole = |column: NumericColumn| {
+            let error = |i, found| Error::NoCells { found: format!("{i}: {found}") };
+            let whole = whole_numbers::<u8>(&column, 300, &Scratch::memory(), error);
+            whole.map(|values| values.to_vec()).map_err(|error| match error {
+                Error::NoCells { found } => found,
+                other => other.to_string(),
+            })
+        };
+        let is = |text: &str| Err(text.to_owned());
+        assert_eq!(whole(vec![0_i32, -1].into()), is("1: -1"));
+        assert_eq!(whole(vec![301_u64].into()), is("0: 301"));
+        assert_eq!(whole(vec![256_u64].into()), is("0: 256"), "beyond the type");
+        assert_eq!(whole(vec![0.5_f32].into()), is("0: 0"));
         assert_eq!(whole(vec![3_u8].into()), Ok(vec![3]));
     }
 }

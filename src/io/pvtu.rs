@@ -1,11 +1,15 @@
 //! `.pvtu`: an unstructured grid in several `.vtu` files, one after the other.
 
 use std::collections::HashSet;
+use std::fs::File;
 use std::path::Path;
 
+use super::scratch::Scratch;
 use super::source::{Source, quote};
-use super::{UnstructuredMesh, read_vtu, vtk_xml};
-use crate::error::{Error, Result};
+use super::vtu::read_vtu_in;
+use super::{UnstructuredMesh, vtk_xml};
+use crate::atomic::io_at;
+use crate::error::Result;
 
 /// Bytes of the longest path of a piece: Linux opens none that is longer.
 const LONGEST_NAME: usize = 4096;
@@ -13,9 +17,14 @@ const LONGEST_NAME: usize = 4096;
 /// Reads a `.pvtu` file that is in memory, and the pieces it names relative to the folder of `path`.
 ///
 /// # Errors
-/// [`Error::Io`] where a piece cannot be read, and those of [`read_vtu`].
+/// [`Error::Io`](crate::Error::Io) where a piece cannot be read, and those of [`read_vtu`](super::read_vtu).
 pub fn read_pvtu(bytes: &[u8], path: &Path) -> Result<UnstructuredMesh> {
-    let source = Source { path };
+    read_pvtu_in(bytes, path, &Scratch::memory())
+}
+
+/// As [`read_pvtu`], the columns where `scratch` says.
+pub(super) fn read_pvtu_in(bytes: &[u8], path: &Path, scratch: &Scratch) -> Result<UnstructuredMesh> {
+    let source = Source { path, scratch };
     let text = String::from_utf8_lossy(bytes);
     let root = vtk_xml::parse(&text, false, source)?;
     vtk_xml::check_root(&root, "PUnstructuredGrid", source)?;
@@ -43,8 +52,9 @@ pub fn read_pvtu(bytes: &[u8], path: &Path) -> Result<UnstructuredMesh> {
         {
             return Err(bad("is the file of an earlier piece too; each piece has a file of its own"));
         }
-        let bytes = std::fs::read(&piece_path).map_err(|source| Error::Io { path: piece_path.clone(), source })?;
-        pieces.push(read_vtu(&bytes, &piece_path)?);
+        let file = File::open(&piece_path).map_err(io_at(&piece_path))?;
+        let bytes = scratch.bytes_of(&piece_path, file)?;
+        pieces.push(read_vtu_in((*bytes).as_ref(), &piece_path, scratch)?);
     }
-    UnstructuredMesh::concat(pieces).map_err(|error| error.in_file(path))
+    UnstructuredMesh::concat(pieces, scratch).map_err(|error| error.in_file(path))
 }

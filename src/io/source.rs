@@ -1,13 +1,15 @@
-//! `Source`: the file that a reader is in, for its messages.
+//! `Source`: the file that a reader is in, for its messages, and where what is read goes.
 
 use std::path::Path;
 
+use super::scratch::Scratch;
 use crate::error::{Error, presentable};
 
-/// The name under which errors are reported.
+/// The name under which errors are reported, and where columns go.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Source<'a> {
     pub(super) path: &'a Path,
+    pub(super) scratch: &'a Scratch,
 }
 
 impl Source<'_> {

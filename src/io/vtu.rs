@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use super::numbers::{points_from, whole_numbers};
+use super::numbers::{points_from, push_whole_numbers, whole_numbers};
+use super::scratch::Scratch;
 use super::source::Source;
 use super::vtk_xml::{self, Element, Encoding};
 use super::{MOST_ARRAYS, UnstructuredMesh, offsets};
@@ -14,7 +15,12 @@ use crate::error::{Error, Result, without_controls};
 /// # Errors
 /// [`Error::Malformed`], [`Error::Unsupported`], and [`Error::IndexOutOfRange`] with the file's name.
 pub fn read_vtu(bytes: &[u8], path: &Path) -> Result<UnstructuredMesh> {
-    let source = Source { path };
+    read_vtu_in(bytes, path, &Scratch::memory())
+}
+
+/// As [`read_vtu`], the columns where `scratch` says.
+pub(super) fn read_vtu_in(bytes: &[u8], path: &Path, scratch: &Scratch) -> Result<UnstructuredMesh> {
+    let source = Source { path, scratch };
     let (xml, appended) = vtk_xml::split_appended(bytes);
     let text = String::from_utf8_lossy(xml);
     let root = vtk_xml::parse(&text, xml.len() < bytes.len(), source)?;
@@ -24,7 +30,7 @@ pub fn read_vtu(bytes: &[u8], path: &Path) -> Result<UnstructuredMesh> {
         .ok_or_else(|| source.malformed(root.place(), "holds no <UnstructuredGrid>: damaged or truncated"))?;
     let encoding = Encoding::new(&root, appended, bytes.len(), source)?;
     let pieces = grid.children_named("Piece").map(|piece| read_piece(piece, &encoding, source));
-    UnstructuredMesh::concat(pieces.collect::<Result<_>>()?).map_err(|error| error.in_file(path))
+    UnstructuredMesh::concat(pieces.collect::<Result<_>>()?, scratch).map_err(|error| error.in_file(path))
 }
 
 fn read_piece(piece: &Element<'_>, encoding: &Encoding<'_>, source: Source<'_>) -> Result<UnstructuredMesh> {
@@ -84,14 +90,17 @@ fn read_cells(
     let (types, ends, connectivity) = (array("types")?, array("offsets")?, array("connectivity")?);
     let no_number = |array: &Element<'_>, limit| {
         let place = array.place();
-        move |(i, found)| source.malformed(place, format!("value {i} is {found}, which is no number from 0 to {limit}"))
+        move |i, found| source.malformed(&place, format!("value {i} is {found}, which is no number from 0 to {limit}"))
     };
     let values = encoding.values(types, Some(cell_count))?;
-    mesh.types = whole_numbers(&values, 255).map_err(no_number(types, 255))?;
+    mesh.types = whole_numbers(&values, 255, source.scratch, no_number(types, 255))?;
 
     let values = encoding.values(ends, Some(cell_count))?;
-    mesh.offsets = whole_numbers(&values, i64::MAX as u64).map_err(no_number(ends, i64::MAX))?;
-    mesh.offsets.insert(0, 0);
+    let mut offsets = source.scratch.column();
+    offsets.reserve(1);
+    offsets.push(0)?;
+    push_whole_numbers(&values, i64::MAX as u64, &mut offsets, no_number(ends, i64::MAX))?;
+    mesh.offsets = offsets.finish()?;
     let values = encoding.values(connectivity, None)?;
     offsets::check(&mesh.offsets, values.len()).map_err(|problem| source.malformed(ends.place(), problem))?;
 
@@ -100,10 +109,11 @@ fn read_cells(
     if len > limit {
         return Err(Error::TooLarge { column: "points", len, limit }.in_file(source.path));
     }
-    mesh.connectivity = whole_numbers(&values, len.saturating_sub(1)).map_err(|(i, index)| {
+    let out_of_range = |i, index| {
         let cell = offsets::cell_of(&mesh.offsets, i);
         Error::IndexOutOfRange { column: "connectivity", cell, index, len }.in_file(source.path)
-    })?;
+    };
+    mesh.connectivity = whole_numbers(&values, len.saturating_sub(1), source.scratch, out_of_range)?;
     Ok(())
 }
 

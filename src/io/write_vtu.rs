@@ -37,7 +37,7 @@ const BLOCK_BYTES: usize = 1 << 18;
 /// # let path = folder.path().join("tet.vtu");
 /// let mut mesh = UnstructuredMesh::empty();
 /// mesh.points = Points::F32(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
-/// (mesh.types, mesh.offsets, mesh.connectivity) = (vec![10], vec![0, 4], vec![0, 1, 2, 3]);
+/// (mesh.types, mesh.offsets, mesh.connectivity) = (vec![10].into(), vec![0, 4].into(), vec![0, 1, 2, 3].into());
 /// io::write_vtu(&path, &mesh, Compression::Zlib)?;
 /// assert_eq!(io::open(&path)?.tets.len(), 1);
 /// # Ok::<(), cellfan::Error>(())

@@ -152,8 +152,8 @@ mod tests {
         let points = vec![[10.0, 0.0, 0.0], [13.0, 0.0, 0.0], [10.0, 1.0, 0.0], [10.0, 0.0, 1.0]];
         let dataset = Dataset::from_tets(TetMesh {
             points: Points::F64(points),
-            tets: vec![[0, 1, 2, 3]],
-            file_from_tet: vec![0],
+            tets: vec![[0, 1, 2, 3]].into(),
+            file_from_tet: vec![0].into(),
             arrays: Vec::new(),
             counts: CellCounts::default(),
         })

@@ -47,6 +47,17 @@ fn a_generated_container_is_a_converted_file() {
 }
 
 #[test]
+fn any_memory_gives_the_same_container() {
+    let place = Place::new();
+    place.run(["generate", "delaunay", "--cells", "20000", "-o", "mesh.vtu"]).succeeds();
+    for (name, memory) in [("large.cells", "1Gi"), ("small.cells", "1"), ("other.cells", "300k")] {
+        place.run(["convert", "mesh.vtu", name, "--memory", memory]).succeeds();
+        assert!(place.read(name) == place.read("large.cells"), "{memory}");
+    }
+    assert_eq!(place.names(), ["large.cells", "mesh.vtu", "other.cells", "small.cells"]);
+}
+
+#[test]
 fn info_reads_a_container_and_checks_it() {
     let place = Place::with_mesh();
     place.run(["convert", "mesh.vtu", "mesh.cells"]).succeeds();

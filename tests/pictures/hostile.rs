@@ -376,9 +376,9 @@ fn a_mesh_with_a_hole() {
         })
         .collect();
     let mut kept = is_kept.iter();
-    mesh.tets.retain(|_| *kept.next().unwrap());
+    mesh.tets.to_mut().retain(|_| *kept.next().unwrap());
     let mut kept = is_kept.iter();
-    mesh.file_from_tet.retain(|_| *kept.next().unwrap());
+    mesh.file_from_tet.to_mut().retain(|_| *kept.next().unwrap());
     let case = Case::new(mesh, "value");
     for (view, camera) in three_views(72, 56) {
         case.assert_right(&format!("with a hole, {view}"), &smooth(), &camera);

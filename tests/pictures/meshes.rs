@@ -28,7 +28,7 @@ pub(crate) fn mesh(points: Vec<[f64; 3]>, tets: Vec<[u32; 4]>, values: Vec<f64>)
     let count = tets.len() as u32;
     TetMesh {
         points: Points::F64(points),
-        tets,
+        tets: tets.into(),
         file_from_tet: (0..count).collect(),
         arrays: vec![Array {
             name: "value".to_owned(),

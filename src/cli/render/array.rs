@@ -59,7 +59,14 @@ mod tests {
         let points = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0; 3]];
         let counts = CellCounts { in_file: 2, ..CellCounts::default() };
         let (tets, file_from_tet) = (vec![[0, 1, 2, 3], [1, 2, 3, 4]], vec![0, 1]);
-        Dataset::from_tets(TetMesh { points: Points::F32(points), tets, file_from_tet, arrays, counts }).unwrap()
+        Dataset::from_tets(TetMesh {
+            points: Points::F32(points),
+            tets: tets.into(),
+            file_from_tet: file_from_tet.into(),
+            arrays,
+            counts,
+        })
+        .unwrap()
     }
 
     fn array(name: &str, association: Association, components: usize, values: impl Into<NumericColumn>) -> Array {

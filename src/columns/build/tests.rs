@@ -3,7 +3,7 @@ use super::*;
 fn mesh(points: Vec<[f64; 3]>, tets: Vec<[u32; 4]>) -> TetMesh {
     let file_from_tet = (0..tets.len() as u32).collect();
     let counts = CellCounts { in_file: tets.len() as u64, ..CellCounts::default() };
-    TetMesh { points: Points::F64(points), tets, file_from_tet, arrays: Vec::new(), counts }
+    TetMesh { points: Points::F64(points), tets: tets.into(), file_from_tet, arrays: Vec::new(), counts }
 }
 
 fn corner() -> Vec<[f64; 3]> {

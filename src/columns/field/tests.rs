@@ -5,8 +5,8 @@ fn two_tets(arrays: Vec<Array>) -> Dataset {
     let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 1.0]];
     Dataset::from_tets(TetMesh {
         points: Points::F32(points),
-        tets: vec![[0, 1, 2, 3], [1, 2, 3, 4]],
-        file_from_tet: vec![0, 1],
+        tets: vec![[0, 1, 2, 3], [1, 2, 3, 4]].into(),
+        file_from_tet: vec![0, 1].into(),
         arrays,
         counts: CellCounts { in_file: 2, ..CellCounts::default() },
     })

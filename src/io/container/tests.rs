@@ -93,8 +93,8 @@ fn odd_mesh() -> TetMesh {
     };
     TetMesh {
         points: Points::F64(points.map(|p| p.map(|x| x + 1e6)).to_vec()),
-        tets: vec![[0, 1, 2, 3], [1, 2, 3, 5], [0, 1, 2, 1]],
-        file_from_tet: vec![0, 2, 3],
+        tets: vec![[0, 1, 2, 3], [1, 2, 3, 5], [0, 1, 2, 1]].into(),
+        file_from_tet: vec![0, 2, 3].into(),
         arrays: vec![
             array("u8", Association::Point, 1, vec![1_u8, 2, 3, 4, 5, 255].into()),
             array("i64", Association::Cell, 1, vec![-1_i64 << 60, 0, 1 << 60, 5].into()),
@@ -148,12 +148,12 @@ fn what_cannot_be_drawn_leaves_no_file() {
     let path = folder.path("mesh.cells");
     let refused = |mesh: TetMesh| write(&mesh, &path, &WriteOptions::default(), &|_, _, _| {}).unwrap_err().to_string();
     for (change, part) in [
-        ((|mesh| mesh.tets[1][2] = 6) as fn(&mut TetMesh), "cell 2 refers to point 6"),
+        ((|mesh| mesh.tets.to_mut()[1][2] = 6) as fn(&mut TetMesh), "cell 2 refers to point 6"),
         (|mesh| mesh.counts.in_file = 3, "has 4 entries where 3 are needed"),
-        (|mesh| mesh.file_from_tet.truncate(2), "file_from_tet: has 2"),
-        (|mesh| (mesh.tets, mesh.file_from_tet) = (vec![], vec![]), "no cell with a volume"),
+        (|mesh| mesh.file_from_tet.to_mut().truncate(2), "file_from_tet: has 2"),
+        (|mesh| (mesh.tets, mesh.file_from_tet) = (vec![].into(), vec![].into()), "no cell with a volume"),
         (|mesh| mesh.points = Points::F32(vec![[f32::NAN; 3]; 6]), "not finite"),
-        (|mesh| mesh.tets = vec![[0, 0, 1, 2]; 3], "flat"),
+        (|mesh| mesh.tets = vec![[0, 0, 1, 2]; 3].into(), "flat"),
     ] {
         let mut mesh = odd_mesh();
         change(&mut mesh);

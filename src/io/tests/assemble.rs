@@ -8,8 +8,8 @@ fn ghosts(name: &str, association: Association, values: Vec<u8>) -> Array {
 #[test]
 fn tetrahedra_pass_and_others_are_split_and_counted() {
     let tets = mesh().into_tets().unwrap();
-    assert_eq!(tets.tets, [[0, 1, 2, 5], [1, 2, 3, 5], [1, 3, 4, 5]]);
-    assert_eq!(tets.file_from_tet, [0, 1, 1]);
+    assert_eq!(tets.tets[..], [[0, 1, 2, 5], [1, 2, 3, 5], [1, 3, 4, 5]]);
+    assert_eq!(tets.file_from_tet[..], [0, 1, 1]);
     assert_eq!((tets.counts.in_file, tets.counts.split), (2, 1));
 }
 
@@ -27,7 +27,7 @@ fn ghosts_lower_dimensional_and_unknown_cells_are_left_out_and_counted() {
         assert_eq!(mesh.into_tets().unwrap().counts.ghost, ghost);
     }
     let mut other = mesh();
-    other.types = vec![9, 42];
+    other.types = vec![9, 42].into();
     let counts = other.into_tets().unwrap().counts;
     assert_eq!((counts.lower_dimensional, counts.unsupported), (1, 1));
 }
@@ -35,12 +35,12 @@ fn ghosts_lower_dimensional_and_unknown_cells_are_left_out_and_counted() {
 #[test]
 fn quadratic_cells_are_drawn_by_their_corners() {
     let mut mesh = mesh();
-    mesh.types = vec![24];
-    mesh.offsets = vec![0, 10];
-    mesh.connectivity = vec![0, 1, 2, 5, 3, 3, 3, 3, 3, 3];
+    mesh.types = vec![24].into();
+    mesh.offsets = vec![0, 10].into();
+    mesh.connectivity = vec![0, 1, 2, 5, 3, 3, 3, 3, 3, 3].into();
     mesh.arrays.clear();
     let tets = mesh.into_tets().unwrap();
-    assert_eq!(tets.tets, [[0, 1, 2, 5]]);
+    assert_eq!(tets.tets[..], [[0, 1, 2, 5]]);
     assert_eq!(tets.counts.quadratic, 1);
 }
 
@@ -53,8 +53,8 @@ fn coincident_points_count_as_one_when_faces_are_cut() {
     points.extend(cube(1.0).collect::<Vec<_>>().into_iter().rev());
     let mesh = UnstructuredMesh {
         points: Points::F32(points.clone()),
-        types: vec![12, 12],
-        offsets: vec![0, 8, 16],
+        types: vec![12, 12].into(),
+        offsets: vec![0, 8, 16].into(),
         connectivity: (0..8).chain((8..16).rev()).collect(),
         arrays: Vec::new(),
     };
@@ -80,12 +80,12 @@ fn coincident_points_count_as_one_when_faces_are_cut() {
 fn what_does_not_fit_together_is_an_error() {
     type Damage = fn(&mut UnstructuredMesh);
     let cases: [(Damage, &str); 7] = [
-        (|mesh| mesh.connectivity[8] = 6, "refers to point 6"),
-        (|mesh| mesh.offsets[1] = 10, "connectivity"),
-        (|mesh| mesh.offsets[1] = 3, "cell 0 (tetrahedron)"),
-        (|mesh| mesh.offsets[2] = u64::MAX, "connectivity"),
-        (|mesh| mesh.offsets.truncate(2), "offsets"),
-        (|mesh| mesh.types.push(10), "offsets"),
+        (|mesh| mesh.connectivity.to_mut()[8] = 6, "refers to point 6"),
+        (|mesh| mesh.offsets.to_mut()[1] = 10, "connectivity"),
+        (|mesh| mesh.offsets.to_mut()[1] = 3, "cell 0 (tetrahedron)"),
+        (|mesh| mesh.offsets.to_mut()[2] = u64::MAX, "connectivity"),
+        (|mesh| mesh.offsets.to_mut().truncate(2), "offsets"),
+        (|mesh| mesh.types.to_mut().push(10), "offsets"),
         (|mesh| mesh.arrays[1].components = 2, "\"id\""),
     ];
     for (damage, expected) in cases {

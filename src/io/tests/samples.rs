@@ -14,9 +14,9 @@ pub(super) fn mesh() -> UnstructuredMesh {
         |name: &str, association, components, values| Array { name: name.to_owned(), association, components, values };
     UnstructuredMesh {
         points: Points::F32((0..6).map(point).collect()),
-        types: vec![10, 14],
-        offsets: vec![0, 4, 9],
-        connectivity: vec![0, 1, 2, 5, 1, 2, 3, 4, 5],
+        types: vec![10, 14].into(),
+        offsets: vec![0, 4, 9].into(),
+        connectivity: vec![0, 1, 2, 5, 1, 2, 3, 4, 5].into(),
         arrays: vec![
             array(
                 "a \"wind\" <m/s>",

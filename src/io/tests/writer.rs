@@ -8,7 +8,7 @@ fn what_is_written_reads_back() {
     let mut large = UnstructuredMesh::empty();
     // More than two blocks of each array, and not a whole number of them.
     large.points = Points::F64((0..70_001).map(|i| [f64::from(i), 0.5, -1e300]).collect());
-    large.types = vec![10; 70_000];
+    large.types = vec![10; 70_000].into();
     large.offsets = (0..=70_000).map(|cell| cell * 4).collect();
     large.connectivity = (0..280_000).map(|i| i % 70_001).collect();
     for mesh in [mesh(), large, UnstructuredMesh::empty()] {

@@ -35,8 +35,8 @@ fn pieces_follow_each_other_and_share_their_common_arrays() {
     let empty = "<Piece NumberOfPoints='0' NumberOfCells='0'></Piece>";
     let file = text(&(tet_piece(0.0, &data("Int8", more)) + empty + &tet_piece(5.0, &data("Float32", ""))));
     let mesh = vtu(file.as_bytes()).unwrap();
-    assert_eq!(mesh.offsets, [0, 4, 8]);
-    assert_eq!(mesh.connectivity, [0, 1, 2, 3, 4, 5, 6, 7]);
+    assert_eq!(mesh.offsets[..], [0, 4, 8]);
+    assert_eq!(mesh.connectivity[..], [0, 1, 2, 3, 4, 5, 6, 7]);
     assert_eq!(mesh.points.get(4).x, 5.0);
     assert_eq!(mesh.arrays.len(), 1);
     assert_eq!(values(&mesh.arrays[0].values), [1.0, 2.0, 3.0, 4.0, 1.0, 2.0, 3.0, 4.0]);

@@ -1,24 +1,24 @@
 //! CELLS in its two forms: counts between the indices, or (from version 5) OFFSETS and CONNECTIVITY.
 
 use super::super::offsets;
+use super::super::scratch::collect;
 use super::super::source::Source;
 use super::cursor::Cursor;
+use crate::columns::Column;
 use crate::error::{Error, Result};
 
 /// The cells as the file has them.
 #[derive(Debug)]
 pub(super) struct Cells {
-    offsets: Vec<u64>,
-    indices: Vec<u64>,
-}
-
-impl Default for Cells {
-    fn default() -> Self {
-        Self { offsets: vec![0], indices: Vec::new() }
-    }
+    offsets: Column<u64>,
+    indices: Column<u64>,
 }
 
 impl Cells {
+    pub(super) fn none() -> Self {
+        Self { offsets: vec![0].into(), indices: Vec::new().into() }
+    }
+
     /// How many cells there are.
     pub(super) fn count(&self) -> usize {
         self.offsets.len() - 1
@@ -46,7 +46,7 @@ impl Cells {
         let offsets = column("OFFSETS", offset_count)?;
         let indices = column("CONNECTIVITY", index_count)?;
         if offsets.is_empty() {
-            return Ok(Self::default());
+            return Ok(Self::none());
         }
         offsets::check(&offsets, indices.len()).map_err(|problem| cursor.source.malformed("OFFSETS", problem))?;
         Ok(Self { offsets, indices })
@@ -58,40 +58,48 @@ impl Cells {
         if cell_count > list.len() {
             return Err(cursor.malformed(format!("CELLS: {cell_count} cells cannot be in a list of {size}")));
         }
-        let mut cells = Self { offsets: Vec::with_capacity(cell_count + 1), indices: Vec::with_capacity(size) };
-        cells.offsets.push(0);
-        let mut rest = &list[..];
+        let scratch = cursor.source.scratch;
+        let (mut offsets, mut indices) = (scratch.column(), scratch.column());
+        offsets.reserve(cell_count + 1);
+        indices.reserve(size);
+        offsets.push(0)?;
+        let value = |entry: usize| list.get(entry) as i64;
+        let mut end = 0;
         for cell in 0..cell_count {
-            let taken =
-                rest.split_first().and_then(|(&count, rest)| rest.split_at_checked(usize::try_from(count).ok()?));
-            let (corners, after) = taken.ok_or_else(|| {
+            let corners = (end < list.len()).then(|| {
+                let count = usize::try_from(value(end)).ok()?;
+                (count < list.len() - end).then_some(end + 1..end + 1 + count)
+            });
+            let corners = corners.flatten().ok_or_else(|| {
                 let problem = format!("cell {cell} goes beyond the list of {size} values: damaged or truncated");
                 cursor.source.malformed("CELLS", problem)
             })?;
-            rest = after;
-            for &index in corners {
+            end = corners.end;
+            for index in corners.map(value) {
                 let index = u64::try_from(index)
                     .map_err(|_| cursor.source.malformed("CELLS", format!("cell {cell} refers to point {index}")))?;
-                cells.indices.push(index);
+                indices.push(index)?;
             }
-            cells.offsets.push(cells.indices.len() as u64);
+            offsets.push(indices.len() as u64)?;
         }
-        if !rest.is_empty() {
-            let problem = format!("{} of {size} values are left after {cell_count} cells: damaged", rest.len());
+        if end < list.len() {
+            let problem = format!("{} of {size} values are left after {cell_count} cells: damaged", list.len() - end);
             return Err(cursor.source.malformed("CELLS", problem));
         }
-        Ok(cells)
+        Ok(Self { offsets: offsets.finish()?, indices: indices.finish()? })
     }
 
     /// Offsets and connectivity; whether the points exist is checked with the cells' kinds, since the list of a
     /// polyhedron is not one of points.
-    pub(super) fn into_columns(self, points: u64, source: Source<'_>) -> Result<(Vec<u64>, Vec<u32>)> {
-        let too_large = self.indices.iter().position(|&index| index > u64::from(u32::MAX));
-        if let Some(entry) = too_large {
-            let cell = offsets::cell_of(&self.offsets, entry);
-            let index = self.indices[entry] as i64;
-            return Err(Error::IndexOutOfRange { column: "CELLS", cell, index, len: points }.in_file(source.path));
-        }
-        Ok((self.offsets, self.indices.into_iter().map(|index| index as u32).collect()))
+    pub(super) fn into_columns(self, points: u64, source: Source<'_>) -> Result<(Column<u64>, Column<u32>)> {
+        let connectivity = self.indices.iter().enumerate().map(|(entry, &index)| {
+            u32::try_from(index).map_err(|_| {
+                let cell = offsets::cell_of(&self.offsets, entry);
+                let index = index as i64;
+                Error::IndexOutOfRange { column: "CELLS", cell, index, len: points }.in_file(source.path)
+            })
+        });
+        let connectivity = collect(source.scratch, connectivity)?;
+        Ok((self.offsets, connectivity))
     }
 }

@@ -1,8 +1,11 @@
 //! `Cursor`: words, lines and arrays of a legacy file, in sequence.
 
+use std::cell::Cell;
+
 use super::super::numbers::{ByteOrder, NumberType, whole_numbers};
+use super::super::scratch::collect;
 use super::super::source::{Source, quote};
-use crate::columns::NumericColumn;
+use crate::columns::{Column, NumericColumn};
 use crate::error::{Error, Result, without_controls};
 
 /// Where the reader is in a file.
@@ -148,18 +151,22 @@ impl<'a> Cursor<'a> {
         match data {
             DataType::Number(number) => {
                 let Some(size) = values.checked_mul(number.size()) else { return Err(overflow) };
-                Ok(number.decode(self.take(size)?, ByteOrder::Big))
+                self.decode(number, size)
             }
             DataType::Id => {
                 let Some(size) = values.checked_mul(4) else { return Err(overflow) };
-                Ok(NumberType::I32.decode(self.take(size)?, ByteOrder::Big))
+                self.decode(NumberType::I32, size)
             }
             DataType::Bit | DataType::Text => {
                 let bytes = self.take(values.div_ceil(8))?;
-                let bits: Vec<u8> = (0..values).map(|i| bytes[i / 8] >> (7 - i % 8) & 1).collect();
-                Ok(bits.into())
+                let bits = (0..values).map(|i| Ok(bytes[i / 8] >> (7 - i % 8) & 1));
+                Ok(NumericColumn::U8(collect(self.source.scratch, bits)?))
             }
         }
+    }
+
+    fn decode(&mut self, number: NumberType, size: usize) -> Result<NumericColumn> {
+        number.decode(size, [Ok(self.take(size)?)], ByteOrder::Big, self.source.scratch)
     }
 
     fn text_values(&mut self, number: NumberType, count: usize) -> Result<NumericColumn> {
@@ -167,24 +174,24 @@ impl<'a> Cursor<'a> {
         if count > self.rest().len().div_ceil(2) {
             return Err(self.truncated(count, "values"));
         }
-        let mut found = 0;
+        let mut ahead = Self { ..*self };
+        let position = Cell::new(self.position);
         let words = std::iter::from_fn(|| {
-            let word = if found < count { self.word() } else { None };
-            found += usize::from(word.is_some());
+            let word = ahead.word();
+            position.set(ahead.position);
             word
         });
-        let column = number.parse(words).map_err(<[u8]>::to_vec);
-        let column = column.map_err(|word| {
-            let problem = format!("{} where value {} of {count} is expected", quote(&word), found.saturating_sub(1));
-            self.malformed(problem)
+        let column = number.parse(words.take(count), self.source.scratch, |i, word| {
+            let problem = format!("{} where value {i} of {count} is expected", quote(word));
+            self.source.malformed(format!("byte {}", position.get()), problem)
         })?;
+        self.position = position.get();
         if column.len() == count { Ok(column) } else { Err(self.truncated(count, "values")) }
     }
 
     /// `count` whole numbers of 32 bits.
-    pub(super) fn integers(&mut self, count: usize) -> Result<Vec<i64>> {
-        let column = self.tuples(DataType::Number(NumberType::I32), count, 1)?;
-        Ok((0..column.len()).map(|i| column.get(i) as i64).collect())
+    pub(super) fn integers(&mut self, count: usize) -> Result<NumericColumn> {
+        self.tuples(DataType::Number(NumberType::I32), count, 1)
     }
 
     /// The next `count` bytes.
@@ -238,8 +245,9 @@ impl<'a> Cursor<'a> {
     }
 
     /// Indices out of a column; the first that is none is an error.
-    pub(super) fn whole_numbers(&self, column: &NumericColumn, what: &str) -> Result<Vec<u64>> {
-        whole_numbers(column, i64::MAX as u64)
-            .map_err(|(i, found)| self.malformed(format!("{what}: value {i} is {found}, which is no index")))
+    pub(super) fn whole_numbers(&self, column: &NumericColumn, what: &str) -> Result<Column<u64>> {
+        whole_numbers(column, i64::MAX as u64, self.source.scratch, |i, found| {
+            self.malformed(format!("{what}: value {i} is {found}, which is no index"))
+        })
     }
 }

@@ -15,6 +15,7 @@ use self::cells::Cells;
 use self::cursor::Cursor;
 use super::UnstructuredMesh;
 use super::numbers::{points_from, whole_numbers};
+use super::scratch::Scratch;
 use super::source::{Source, quote};
 use crate::error::Result;
 
@@ -24,7 +25,12 @@ use crate::error::Result;
 /// [`Error::Malformed`](crate::Error::Malformed); [`Error::Unsupported`](crate::Error::Unsupported) where the dataset is no unstructured grid; [`Error::IndexOutOfRange`](crate::Error::IndexOutOfRange)
 /// with the file's name.
 pub fn read_vtk(bytes: &[u8], path: &Path) -> Result<UnstructuredMesh> {
-    let source = Source { path };
+    read_vtk_in(bytes, path, &Scratch::memory())
+}
+
+/// As [`read_vtk`], the columns where `scratch` says.
+pub(super) fn read_vtk_in(bytes: &[u8], path: &Path, scratch: &Scratch) -> Result<UnstructuredMesh> {
+    let source = Source { path, scratch };
     let mut cursor = Cursor::new(bytes, source);
     read_head(&mut cursor)?;
 
@@ -51,14 +57,14 @@ pub fn read_vtk(bytes: &[u8], path: &Path) -> Result<UnstructuredMesh> {
         }
     }
 
-    let cells = cells.unwrap_or_default();
-    let types = types.unwrap_or_default();
+    let cells = cells.unwrap_or_else(Cells::none);
+    let types = types.unwrap_or_else(|| Vec::<i32>::new().into());
     if types.len() != cells.count() {
         let problem = format!("names {} cells where CELLS has {}: damaged or truncated", types.len(), cells.count());
         return Err(source.malformed("CELL_TYPES", problem));
     }
-    mesh.types = whole_numbers(&types.into(), 255)
-        .map_err(|(cell, code)| source.malformed("CELL_TYPES", format!("cell {cell} has type {code}")))?;
+    let bad = |cell, code| source.malformed("CELL_TYPES", format!("cell {cell} has type {code}"));
+    mesh.types = whole_numbers(&types, 255, scratch, bad)?;
     (mesh.offsets, mesh.connectivity) = cells.into_columns(mesh.points.len() as u64, source)?;
     mesh.arrays = attributes.into_arrays(mesh.points.len(), mesh.types.len(), source)?;
     Ok(mesh)

@@ -80,25 +80,19 @@ impl Compressor {
         Ok(total)
     }
 
-    /// The uncompressed bytes of `compressed`, whose blocks take `compressed_sizes` bytes each.
+    /// The uncompressed bytes of blocks that follow each other from block `first` on: `sizes` are their bytes in `compressed`
+    /// and uncompressed.
     ///
     /// The error is a sentence about the array.
-    pub(super) fn expand(
-        self,
-        sizes: BlockSizes,
-        compressed_sizes: &[usize],
-        compressed: &[u8],
-    ) -> Result<Vec<u8>, String> {
-        let total = self.total_bytes(sizes, compressed.len())?;
-        let mut bytes = vec![0_u8; usize::try_from(total).map_err(|_| "is larger than the address space")?];
-        let mut work = Vec::with_capacity(compressed_sizes.len());
+    pub(super) fn expand(self, first: usize, sizes: &[(usize, usize)], compressed: &[u8]) -> Result<Vec<u8>, String> {
+        let mut bytes = vec![0_u8; sizes.iter().map(|&(_, size)| size).sum()];
+        let mut work = Vec::with_capacity(sizes.len());
         let (mut input, mut output) = (compressed, &mut bytes[..]);
-        for (block, &compressed_size) in compressed_sizes.iter().enumerate() {
-            let size = output.len().min(usize::try_from(sizes.block).unwrap_or(usize::MAX));
+        for (i, &(compressed_size, size)) in sizes.iter().enumerate() {
             let (block_in, block_out);
             (block_in, input) = input.split_at_checked(compressed_size).ok_or("ends before its last block")?;
             (block_out, output) = output.split_at_mut(size);
-            work.push((block, block_in, block_out));
+            work.push((first + i, block_in, block_out));
         }
         work.into_par_iter().try_for_each(|(block, block_in, block_out)| {
             self.expand_block(block_in, block_out).map_err(|problem| format!("compressed block {block}: {problem}"))
@@ -117,5 +111,10 @@ impl BlockSizes {
             _ if last > block => None,
             _ => (blocks - 1).checked_mul(block)?.checked_add(last),
         }
+    }
+
+    /// The uncompressed bytes of block `block`.
+    pub(super) fn of(self, block: u64) -> u64 {
+        if block + 1 == self.blocks && self.last > 0 { self.last } else { self.block }
     }
 }

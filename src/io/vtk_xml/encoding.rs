@@ -1,6 +1,8 @@
 //! `Encoding`: how a file writes its arrays, and the values of one.
 
+use std::borrow::Cow;
 use std::cell::Cell;
+use std::iter;
 
 use super::super::numbers::{ByteOrder, NumberType};
 use super::super::source::{Source, quote};
@@ -30,6 +32,8 @@ pub(in crate::io) struct Encoding<'a> {
 /// All arrays of a file may become this many times its bytes. Whole meshes reach 36: a grid of hexahedra in one block of
 /// LZMA (zlib, and LZMA in VTK's blocks of 32 KiB: 6 and 15).
 const LARGEST_EXPANSION: u64 = 64;
+/// Bytes of an array that are read at once, not counting what is larger because its compressed block is.
+const BYTES_AT_ONCE: u64 = 4 << 20;
 /// What a file may expand to whatever its size: small files hold little but repetitions.
 const SMALLEST_EXPANSION: u64 = 4 << 20;
 
@@ -80,22 +84,23 @@ impl<'a> Encoding<'a> {
         let name = array.attribute("type").unwrap_or_default();
         let number = number_type(name)
             .ok_or_else(|| malformed(format!("type={} is no numeric type", quote(name.as_bytes()))))?;
+        let scratch = self.source.scratch;
         if expected == Some(0) {
-            return Ok(number.decode(&[], self.order));
+            return number.decode(0, iter::empty::<Result<&[u8]>>(), self.order, scratch);
         }
+        let decode = |stream| {
+            let (bytes, chunks) = self.chunks(stream).map_err(malformed)?;
+            number.decode(bytes, chunks.map(|chunk| chunk.map_err(malformed)), self.order, scratch)
+        };
         let values = match (array.attribute("format"), array.attribute("offset")) {
             (Some("ascii"), _) | (None, None) => {
                 let tokens = array.text.as_bytes().split(u8::is_ascii_whitespace).filter(|token| !token.is_empty());
-                number.parse(tokens).map_err(|token| malformed(format!("{} is no {name} value", quote(token))))?
+                number.parse(tokens, scratch, |_, token| malformed(format!("{} is no {name} value", quote(token))))?
             }
-            (Some("binary"), _) => {
-                let mut stream = Stream::Base64(Base64::new(array.text.as_bytes()));
-                number.decode(&self.bytes(&mut stream).map_err(malformed)?, self.order)
-            }
+            (Some("binary"), _) => decode(Stream::Base64(Base64::new(array.text.as_bytes())))?,
             (Some("appended") | None, Some(_)) => {
                 let offset = array.count("offset", None, self.source)?;
-                let mut stream = self.appended_at(offset).map_err(malformed)?;
-                number.decode(&self.bytes(&mut stream).map_err(malformed)?, self.order)
+                decode(self.appended_at(offset).map_err(malformed)?)?
             }
             (Some("appended"), None) => return Err(malformed("has no attribute \"offset\"".to_owned())),
             (Some(other), _) => {
@@ -120,28 +125,49 @@ impl<'a> Encoding<'a> {
         }
     }
 
-    /// The bytes of a binary array, uncompressed.
-    fn bytes(&self, stream: &mut Stream<'_>) -> Result<Vec<u8>, String> {
+    /// How many bytes a binary array has uncompressed, and the bytes, some megabytes at once.
+    fn chunks<'s>(&'s self, mut stream: Stream<'s>) -> Result<(usize, Box<Chunks<'s>>), String> {
         let Some(compressor) = self.compressor else {
-            let size = self.word(stream)?;
-            return Ok(self.take(stream, size)?.into_owned());
+            let size = self.word(&mut stream)?;
+            let total = usize::try_from(size).ok().filter(|&size| size <= stream.at_most());
+            let total = total.ok_or_else(|| too_few(size, &stream))?;
+            let mut left = size;
+            let chunks = iter::from_fn(move || {
+                let bytes = left.min(BYTES_AT_ONCE);
+                left -= bytes;
+                (bytes > 0).then(|| self.take(&mut stream, bytes))
+            });
+            return Ok((total, Box::new(chunks)));
         };
-        let sizes = BlockSizes { blocks: self.word(stream)?, block: self.word(stream)?, last: self.word(stream)? };
-        let table = self.take(stream, sizes.blocks.saturating_mul(self.word as u64))?;
-        let compressed_sizes: Vec<usize> = table
-            .chunks_exact(self.word)
-            .map(|word| usize::try_from(self.word_from(word)).unwrap_or(usize::MAX))
-            .collect();
-        let all = compressed_sizes.iter().fold(0_u64, |sum, &size| sum.saturating_add(size as u64));
-        let compressed = self.take(stream, all)?;
-        let bytes = compressor.total_bytes(sizes, compressed.len())?;
+        let mut word = || self.word(&mut stream);
+        let sizes = BlockSizes { blocks: word()?, block: word()?, last: word()? };
+        let table = self.take(&mut stream, sizes.blocks.saturating_mul(self.word as u64))?;
+        let compressed_sizes: Vec<u64> = table.chunks_exact(self.word).map(|word| self.word_from(word)).collect();
+        let compressed = compressed_sizes.iter().fold(0_u64, |sum, &size| sum.saturating_add(size));
+        if compressed > stream.at_most() as u64 {
+            return Err(too_few(compressed, &stream));
+        }
+        let bytes = compressor.total_bytes(sizes, compressed as usize)?;
         let left = self.expansion.get().checked_sub(bytes).ok_or_else(|| {
             format!(
                 "its {bytes} bytes make all arrays more than {LARGEST_EXPANSION} times the file; write it uncompressed"
             )
         })?;
         self.expansion.set(left);
-        compressor.expand(sizes, &compressed_sizes, &compressed)
+        let total = usize::try_from(bytes).map_err(|_| "is larger than the address space")?;
+        let blocks_at_once = usize::try_from((BYTES_AT_ONCE / sizes.block.max(1)).max(1)).unwrap_or(usize::MAX);
+        let mut first = 0_usize;
+        let chunks = iter::from_fn(move || {
+            let group = &compressed_sizes[first..compressed_sizes.len().min(first.saturating_add(blocks_at_once))];
+            let block_sizes = (first as u64..).map(|block| sizes.of(block) as usize);
+            let group: Vec<(usize, usize)> = group.iter().map(|&size| size as usize).zip(block_sizes).collect();
+            let (group_first, compressed) = (first, group.iter().map(|&(size, _)| size as u64).sum());
+            first += group.len();
+            let expand =
+                |compressed: Cow<'_, [u8]>| compressor.expand(group_first, &group, &compressed).map(Cow::Owned);
+            (!group.is_empty()).then(|| self.take(&mut stream, compressed).and_then(expand))
+        });
+        Ok((total, Box::new(chunks)))
     }
 
     fn word(&self, stream: &mut Stream<'_>) -> Result<u64, String> {
@@ -157,17 +183,22 @@ impl<'a> Encoding<'a> {
         if self.order == ByteOrder::Little { u64::from_le_bytes(word) } else { u64::from_be_bytes(word) }
     }
 
-    fn take<'s>(&self, stream: &mut Stream<'s>, count: u64) -> Result<std::borrow::Cow<'s, [u8]>, String> {
-        let at_most = stream.at_most();
+    fn take<'s>(&self, stream: &mut Stream<'s>, count: u64) -> Result<Cow<'s, [u8]>, String> {
         let taken = usize::try_from(count).ok().and_then(|count| {
             let left = self.budget.get().checked_sub(count)?;
             self.budget.set(left);
             stream.take(count)
         });
-        taken.ok_or_else(|| {
-            format!("needs {count} bytes where at most {at_most} follow, or they are no base64: damaged or truncated")
-        })
+        taken.ok_or_else(|| too_few(count, stream))
     }
+}
+
+/// The bytes of an array, in sequence.
+type Chunks<'a> = dyn Iterator<Item = Result<Cow<'a, [u8]>, String>> + 'a;
+
+fn too_few(count: u64, stream: &Stream<'_>) -> String {
+    let at_most = stream.at_most();
+    format!("needs {count} bytes where at most {at_most} follow, or they are no base64: damaged or truncated")
 }
 
 /// The type that the attribute `type` names.

@@ -159,8 +159,8 @@ fn both_cells_at_a_face_compute_the_same_bits() {
         let points = [a, b, c, apex(1.0, &mut random), apex(-1.0, &mut random)].map(|p| p.to_array());
         let mesh = TetMesh {
             points: Points::F64(points.to_vec()),
-            tets: vec![[3, 2, 1, 0], [1, 4, 0, 2]],
-            file_from_tet: vec![0, 1],
+            tets: vec![[3, 2, 1, 0], [1, 4, 0, 2]].into(),
+            file_from_tet: vec![0, 1].into(),
             arrays: Vec::new(),
             counts: CellCounts::default(),
         };
