@@ -15,7 +15,7 @@ use cellfan::optics::integral::segment_weights_average;
 use cellfan::optics::{CullTable, LANES, Pieces, SegmentWeights, segment_weights, segment_weights_thin};
 use cellfan::stages::classify::classify;
 use cellfan::stages::cull::{Culled, cull};
-use cellfan::stages::fans::{self, Fan, FanInput, FanSlot, FanVertex};
+use cellfan::stages::fans::{self, Fan, FanInput};
 use cellfan::stages::footprints::planes::{Batch, Corners, TileRays};
 use cellfan::stages::footprints::{PixelBox, PixelBoxes};
 use cellfan::stages::project::{project, scene_vertices};
@@ -196,34 +196,20 @@ fn bench_sort(criterion: &mut Criterion) {
 
 fn bench_fans(criterion: &mut Criterion) {
     let seen = Seen::new(Kind::Delaunay);
-    let input = FanInput::new(&seen.view, &seen.mesh.dataset, &seen.vertices, None);
-    let cells = 0..seen.cells() as u32;
+    let input = FanInput::new(&seen.view, &seen.mesh.dataset, &seen.vertices, &seen.screen, None);
+    let cells: Vec<u32> = (0..seen.cells() as u32).collect();
     let mut group = criterion.benchmark_group("stage/fans");
-    let counts = fans::count(&input, cells.clone());
-    let (mut headers, mut vertices) = (vec![Fan::default(); counts.fans], vec![FanVertex::default(); counts.vertices]);
-    throughput(&mut group, seen.cells(), 16 + 4 * size_of::<SceneVertex>());
-    group.bench_function("count", |b| b.iter(|| assert_eq!(fans::count(&input, cells.clone()), counts)));
-    let bytes_each = 16 + 4 * size_of::<SceneVertex>() + size_of::<FanVertex>() * counts.vertices / counts.fans;
-    throughput(&mut group, seen.cells(), bytes_each);
-    let mut stage = || {
-        let slot = FanSlot { fans: &mut headers, vertices: &mut vertices, first_vertex: 0 };
-        fans::write(&input, cells.clone(), slot)
-    };
+    let mut memory = vec![Fan::default(); fans::count(&input, &cells)];
+    throughput(&mut group, seen.cells(), 16 + 4 * size_of::<ScreenVertex>() + size_of::<Fan>());
+    let mut stage = || fans::write(&input, &cells, &mut &mut memory[..]);
     stage();
     group.bench_function("write", |b| b.iter(&mut stage));
 
     // Each ray that enters leaves once: fans cover half the area of the projected faces.
     let area = |[a, b, c]: [glam::Vec2; 3]| 0.5 * f64::from((b - a).perp_dot(c - a).abs());
-    let xy = |vertex: &FanVertex| glam::Vec2::from_array(vertex.position_px);
-    let ends = headers.iter().skip(1).map(|fan| fan.first_vertex as usize).chain([vertices.len()]);
-    let of_fans: f64 = headers
-        .iter()
-        .zip(ends)
-        .flat_map(|(fan, end)| {
-            let ring = &vertices[fan.first_vertex as usize..end];
-            ring[1..].windows(2).map(|two| area([xy(&ring[0]), xy(&two[0]), xy(&two[1])])).collect::<Vec<_>>()
-        })
-        .sum();
+    let xy = |fan: &Fan, i: u16| glam::Vec2::from_array(fan.vertex(i).0);
+    let of_fan = |fan: &Fan| Fan::TRIANGLES.map(|triangle| area(triangle.map(|i| xy(fan, i)))).iter().sum::<f64>();
+    let of_fans: f64 = memory.iter().map(of_fan).sum();
     let faces: f64 = seen
         .mesh
         .dataset

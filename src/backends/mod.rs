@@ -4,9 +4,11 @@
 //! To add one: a folder that runs the stages it needs and fills the picture, and its line in `render`.
 
 pub mod cpu;
+mod draw_order;
 
 use crate::columns::{Association, Dataset, Field};
 use crate::optics::{CullTable, Pieces};
+use crate::stages::classify::ProjectionClass;
 use crate::stages::sort::SortKey;
 use crate::stages::{SceneVertex, View};
 
@@ -67,6 +69,16 @@ pub struct Counts {
     pub violations: u64,
     /// Tiles parts of which were redone with their fragments sorted per pixel.
     pub tiles_redone: u64,
+}
+
+impl Counts {
+    /// Counts fans by class, and their triangles.
+    fn add_classes(&mut self, by_class: [u64; 5]) {
+        for (class, n) in ProjectionClass::ALL.into_iter().zip(by_class) {
+            self.by_class[class as usize] += n;
+            self.triangles += n * class.triangles() as u64;
+        }
+    }
 }
 
 impl std::ops::AddAssign for Counts {

@@ -1,62 +1,92 @@
 //! `fans`: triangle fans for rasterisers, in draw order, written into lent memory.
 //!
-//! In: cells in draw order, projected vertices, the view. Out: [`FanVertex`] records and [`Fan`] headers in a [`FanSlot`].
-//! Count, scan, write: [`count`] says what a run of cells needs, a prefix sum lends each run its part of the slot, [`write()`]
-//! fills it in sequence and never reads back. A fan is the thick vertex, then the ring around it (CellFast, figure 3).
+//! In: cells in draw order, projected vertices, the view. Out: [`Fan`] records, all of one size, in a [`FanSlot`].
+//! Count, scan, write: [`count`] says how many records a run of cells needs, a prefix sum lends each run its part of the slot,
+//! [`write()`] fills it in sequence and never reads back.
 //!
-//! A vertex carries front and back (v, q), v the inverse depth and q = s·v (parallel rays: q = s): both are affine on the
-//! picture over a triangle of the fan, so that plain interpolation gives each fragment its exact entry and exit.
+//! A fan is the thick vertex and the ring around it (CellFast, figure 3): triangles thick, ring i, ring i + 1, the last one closing
+//! the ring, so that one list of indices serves every class. Classes with fewer triangles repeat the thick vertex in the ring.
+//! A vertex carries (v, q), v the inverse depth and q = s·v (parallel rays: q = s): both are affine on the picture over a
+//! triangle of the fan, so that plain interpolation gives each fragment its exact entry and exit.
 
 use arrayvec::ArrayVec;
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
+use rayon::prelude::*;
 
 use super::classify::{Classified, ProjectionClass, classify};
 use super::near::{self, Corner};
-use super::{PixelProjection, SceneVertex, View};
+use super::{PixelProjection, SceneVertex, ScreenVertex, View};
 use crate::columns::Dataset;
 
-/// One vertex of a fan, as a rasteriser reads it.
+/// One fan as a rasteriser reads it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct FanVertex {
-    /// Column and row in pixels, pixel centres at whole numbers.
-    pub position_px: [f32; 2],
-    /// Inverse depth v and q = s·v (parallel rays: s) where the ray enters.
+pub struct Fan {
+    /// Column and row of the thick vertex in pixels, pixel centres at whole numbers.
+    pub thick_px: [f32; 2],
+    /// Smallest and largest stored value of the cell.
+    pub s_range: [f32; 2],
+    /// Inverse depth v and q = s·v (parallel rays: s) where the ray through the thick vertex enters.
     pub front: [f32; 2],
     /// The same where it leaves.
     pub back: [f32; 2],
+    /// The vertices around it, where entry and exit are one.
+    pub ring: [RingVertex; 4],
 }
 
-/// One fan: its vertices follow each other in the slot.
+/// A vertex on the outline of a cell.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
-pub struct Fan {
-    /// The cell it belongs to.
-    pub cell: u32,
-    /// Its first vertex, counted from the beginning of the slot.
-    pub first_vertex: u32,
-    /// Its [`ProjectionClass`] as a number; gives the count of its vertices.
-    pub class: u32,
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct RingVertex {
+    /// Column and row in pixels.
+    pub position_px: [f32; 2],
+    /// Inverse depth v and q = s·v (parallel rays: s).
+    pub vq: [f32; 2],
 }
 
-/// Fans and vertices that a run of cells needs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct FanCounts {
-    /// Fans: one per cell, up to three where the near plane cuts it, none where it is edge-on.
-    pub fans: usize,
-    /// Vertices of these fans.
-    pub vertices: usize,
+impl Fan {
+    /// Its triangles as indices, 0 for the thick vertex and k + 1 for ring vertex k; those with a vertex twice cover nothing.
+    pub const TRIANGLES: [[u16; 3]; 4] = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]];
+
+    /// Position, entry (v, q) and exit (v, q) of vertex `i`, counted as in [`Fan::TRIANGLES`].
+    ///
+    /// # Panics
+    /// If `i` is above 4.
+    pub fn vertex(&self, i: u16) -> ([f32; 2], [f32; 2], [f32; 2]) {
+        if i == 0 {
+            return (self.thick_px, self.front, self.back);
+        }
+        let RingVertex { position_px, vq } = self.ring[usize::from(i) - 1];
+        (position_px, vq, vq)
+    }
 }
 
-/// Memory lent by a backend, written in sequence.
-pub struct FanSlot<'a> {
-    /// Room for the counted fans.
-    pub fans: &'a mut [Fan],
-    /// Room for the counted vertices.
-    pub vertices: &'a mut [FanVertex],
-    /// The slot's first vertex in the backend's buffer.
-    pub first_vertex: u32,
+/// Memory lent by a backend, written in sequence and never read.
+pub trait FanSlot: Sized + Send {
+    /// The first `fans` records, and the rest.
+    ///
+    /// # Panics
+    /// If there are fewer.
+    fn split_at(self, fans: usize) -> (Self, Self);
+
+    /// Writes the next records.
+    ///
+    /// # Panics
+    /// If there is no room left.
+    fn put(&mut self, fans: &[Fan]);
+}
+
+impl FanSlot for &mut [Fan] {
+    fn split_at(self, fans: usize) -> (Self, Self) {
+        self.split_at_mut(fans)
+    }
+
+    fn put(&mut self, fans: &[Fan]) {
+        let (here, rest) = std::mem::take(self).split_at_mut(fans.len());
+        here.copy_from_slice(fans);
+        *self = rest;
+    }
 }
 
 /// What fans are made from.
@@ -64,87 +94,140 @@ pub struct FanSlot<'a> {
 pub struct FanInput<'a> {
     dataset: &'a Dataset,
     vertices: &'a [SceneVertex],
+    screen: &'a [ScreenVertex],
     cell_values: Option<&'a [f32]>,
     projection: PixelProjection,
     is_perspective: bool,
     near: f32,
+    /// Whether a vertex lies before the near plane, so that cells may have to be cut.
+    is_cut: bool,
 }
 
 /// The fans of one cell.
-type CellFans = ArrayVec<(ProjectionClass, ArrayVec<FanVertex, 6>), 3>;
+type CellFans = ArrayVec<(ProjectionClass, Fan), 3>;
+
+/// Fans that are written at once.
+const WRITTEN_AT_ONCE: usize = 16;
 
 impl<'a> FanInput<'a> {
-    /// For one view; `cell_values` holds cell data, `None` takes the vertices' scalars.
-    pub fn new(view: &View, dataset: &'a Dataset, vertices: &'a [SceneVertex], cell_values: Option<&'a [f32]>) -> Self {
+    /// For one view, whose projection of `vertices` is `screen`; `cell_values` holds cell data, `None` takes the vertices' scalars.
+    pub fn new(
+        view: &View,
+        dataset: &'a Dataset,
+        vertices: &'a [SceneVertex],
+        screen: &'a [ScreenVertex],
+        cell_values: Option<&'a [f32]>,
+    ) -> Self {
         let (projection, near) = (view.projection(), view.near);
-        Self { dataset, vertices, cell_values, projection, is_perspective: view.is_perspective, near }
+        let is_cut = screen.par_iter().with_min_len(1 << 14).any(|vertex| vertex.depth < near);
+        Self { dataset, vertices, screen, cell_values, projection, is_perspective: view.is_perspective, near, is_cut }
     }
 
-    fn corners(&self, cell: u32) -> [Corner; 4] {
-        self.dataset.tets.get(cell as usize).map(|v| {
-            let SceneVertex { position, scalar } = self.vertices[v as usize];
-            let position = Vec3::from_array(position);
-            let scalar = self.cell_values.map_or(scalar, |values| values[cell as usize]);
-            Corner { position, scalar, depth: self.projection.project(position).z }
-        })
+    /// No cell has more fans than this.
+    pub fn fans_per_cell_max(&self) -> usize {
+        if self.is_cut { 3 } else { 1 }
+    }
+
+    /// The projected corners of a cell, and its scalars.
+    #[inline]
+    fn corners(&self, cell: u32) -> ([Vec3; 4], [f32; 4]) {
+        let corners = self.dataset.tets.get(cell as usize).map(|v| self.screen[v as usize]);
+        let constant = self.cell_values.map(|values| values[cell as usize]);
+        (
+            corners.map(|corner| Vec3::new(corner.x_px, corner.y_px, corner.depth)),
+            corners.map(|corner| constant.unwrap_or(corner.scalar)),
+        )
+    }
+
+    /// Whether the near plane cuts the cell.
+    #[inline]
+    fn crosses_near(&self, cell: u32) -> bool {
+        self.is_cut && self.dataset.tets.get(cell as usize).iter().any(|&v| self.screen[v as usize].depth < self.near)
+    }
+
+    /// The fan of a tetrahedron.
+    #[inline]
+    fn of_corners(&self, projected: [Vec3; 4], scalars: [f32; 4], is_positive: bool) -> (ProjectionClass, Fan) {
+        let classified = classify(projected.map(Vec3::truncate), is_positive);
+        let records = std::array::from_fn(|k| {
+            let Vec3 { x, y, z: w } = projected[k];
+            let v = if self.is_perspective { 1.0 / w } else { -w };
+            Projected { xy: Vec2::new(x, y), v, q: scalars[k] * if self.is_perspective { v } else { 1.0 } }
+        });
+        let fold = |of: fn(f32, f32) -> f32| of(of(scalars[0], scalars[1]), of(scalars[2], scalars[3]));
+        (classified.class, fan(classified, records, [fold(f32::min), fold(f32::max)]))
+    }
+
+    /// The parts of a cell that lie behind the near plane.
+    #[cold]
+    fn of_cut_cell(&self, cell: u32) -> CellFans {
+        let (projected, scalars) = self.corners(cell);
+        let corners = self.dataset.tets.get(cell as usize).map(|v| self.vertices[v as usize].position);
+        let corners = std::array::from_fn(|k| Corner {
+            position: Vec3::from_array(corners[k]),
+            scalar: scalars[k],
+            depth: projected[k].z,
+        });
+        let mut parts = [corners; 3];
+        let count = near::cut(corners, self.near, &mut parts);
+        let of_part = |part: &[Corner; 4]| {
+            let projected = part.map(|corner| self.projection.project(corner.position));
+            self.of_corners(projected, part.map(|corner| corner.scalar), self.dataset.positive.get(cell as usize))
+        };
+        parts[..count].iter().map(of_part).collect()
     }
 
     /// The fans of `cell`: cut at the near plane where it crosses it, then classified.
+    #[inline]
     fn of_cell(&self, cell: u32) -> CellFans {
-        let is_positive = self.dataset.positive.get(cell as usize);
-        let corners = self.corners(cell);
-        let mut parts = [corners; 3];
-        let count = near::cut(corners, self.near, &mut parts);
-        let mut fans = CellFans::new();
-        for part in &parts[..count] {
-            let projected = part.map(|corner| self.projection.project(corner.position));
-            let classified = classify(projected.map(Vec3::truncate), is_positive);
-            let records = std::array::from_fn(|k| {
-                let Vec3 { x, y, z: w } = projected[k];
-                let v = if self.is_perspective { 1.0 / w } else { -w };
-                Projected { xy: Vec2::new(x, y), v, q: part[k].scalar * if self.is_perspective { v } else { 1.0 } }
-            });
-            if classified.class != ProjectionClass::EdgeOn {
-                fans.push((classified.class, fan(classified, records)));
-            }
+        if self.crosses_near(cell) {
+            return self.of_cut_cell(cell);
         }
-        fans
+        let (projected, scalars) = self.corners(cell);
+        std::iter::once(self.of_corners(projected, scalars, self.dataset.positive.get(cell as usize))).collect()
     }
 }
 
-/// What `cells` need.
-pub fn count(input: &FanInput, cells: impl IntoIterator<Item = u32>) -> FanCounts {
-    let mut counts = FanCounts::default();
-    for cell in cells {
-        for (class, _) in input.of_cell(cell) {
-            counts.fans += 1;
-            counts.vertices += class.fan_vertices();
-        }
+/// How many fans `cells` need: one each, and up to three where the near plane cuts a cell.
+pub fn count(input: &FanInput, cells: &[u32]) -> usize {
+    if !input.is_cut {
+        return cells.len();
     }
-    counts
+    cells.iter().map(|&cell| if input.crosses_near(cell) { input.of_cut_cell(cell).len() } else { 1 }).sum()
 }
 
-/// Writes the fans of `cells`, in their order, into `slot`; counts them by class.
+/// Writes the fans of `cells`, in their order, into `slot`; counts them by class. A cell seen edge-on has a fan that covers nothing.
 ///
 /// # Panics
-/// If the slot is not exactly as large as [`count`] says.
-pub fn write(input: &FanInput, cells: impl IntoIterator<Item = u32>, slot: FanSlot) -> [u64; 5] {
+/// If the slot has not the room that [`count`] asks for.
+pub fn write(input: &FanInput, cells: &[u32], slot: &mut impl FanSlot) -> [u64; 5] {
     let mut by_class = [0; 5];
-    let (mut fans, mut vertices) = (slot.fans.iter_mut(), slot.vertices);
-    let mut next = 0;
-    for cell in cells {
-        for (class, ring) in input.of_cell(cell) {
-            let first_vertex = slot.first_vertex + next as u32;
-            let header = fans.next().expect("the slot was counted for these cells");
-            *header = Fan { cell, first_vertex, class: class as u32 };
-            vertices[next..next + ring.len()].copy_from_slice(&ring);
-            next += ring.len();
+    let mut some: ArrayVec<Fan, WRITTEN_AT_ONCE> = ArrayVec::new();
+    for &cell in cells {
+        for (class, fan) in input.of_cell(cell) {
             by_class[class as usize] += 1;
+            if some.is_full() {
+                slot.put(&some);
+                some.clear();
+            }
+            some.push(fan);
         }
     }
-    vertices = &mut vertices[next..];
-    assert!(vertices.is_empty() && fans.next().is_none(), "the slot was counted for these cells");
+    slot.put(&some);
     by_class
+}
+
+/// Writes the fans of `runs` of cells, each of as many fans as `counts` says, one run after the other, in parallel.
+pub fn write_runs<S: FanSlot>(input: &FanInput, runs: &[Vec<u32>], counts: &[usize], memory: S) -> [u64; 5] {
+    let mut slots = Vec::with_capacity(runs.len());
+    let mut free = memory;
+    for &count in counts {
+        let (slot, rest) = free.split_at(count);
+        free = rest;
+        slots.push(slot);
+    }
+    let by_run = runs.par_iter().zip(slots).map(|(run, mut slot)| write(input, run, &mut slot));
+    by_run.reduce(|| [0; 5], |a, b| std::array::from_fn(|class| a[class] + b[class]))
 }
 
 /// A projected vertex with what is interpolated over the picture.
@@ -166,23 +249,25 @@ impl Projected {
     }
 }
 
-fn thick(xy: Vec2, front: Projected, back: Projected) -> FanVertex {
-    FanVertex { position_px: xy.to_array(), front: [front.v, front.q], back: [back.v, back.q] }
-}
-
-fn thin(p: Projected) -> FanVertex {
-    thick(p.xy, p, p)
+fn thin(p: Projected) -> RingVertex {
+    RingVertex { position_px: p.xy.to_array(), vq: [p.v, p.q] }
 }
 
 /// The thick vertex and its ring.
-fn fan(classified: Classified, projected: [Projected; 4]) -> ArrayVec<FanVertex, 6> {
+#[inline]
+fn fan(classified: Classified, projected: [Projected; 4], s_range: [f32; 2]) -> Fan {
     let Classified { class, roles, inner_is_front } = classified;
     let [a, b, c, d] = roles.map(|role| projected[role as usize]);
-    let on_either_side = |inner: Projected, outer: Projected| {
-        if inner_is_front { thick(inner.xy, inner, outer) } else { thick(inner.xy, outer, inner) }
+    let fan = |xy: Vec2, front: Projected, back: Projected, ring: [Projected; 4]| Fan {
+        thick_px: xy.to_array(),
+        s_range,
+        front: [front.v, front.q],
+        back: [back.v, back.q],
+        ring: ring.map(thin),
     };
+    let in_order = |inner: Projected, outer: Projected| if inner_is_front { (inner, outer) } else { (outer, inner) };
     match class {
-        ProjectionClass::EdgeOn => ArrayVec::new(),
+        ProjectionClass::EdgeOn => Fan::default(),
         // a lies inside b c d: the other side of the cell there is a point of that face.
         ProjectionClass::Class1 => {
             let (q, r, s) = (c.xy - b.xy, d.xy - b.xy, a.xy - b.xy);
@@ -193,7 +278,8 @@ fn fan(classified: Classified, projected: [Projected; 4]) -> ArrayVec<FanVertex,
                 v: b.v + (c.v - b.v) * u + (d.v - b.v) * t,
                 q: b.q + (c.q - b.q) * u + (d.q - b.q) * t,
             };
-            [on_either_side(a, face), thin(b), thin(c), thin(d), thin(b)].into_iter().collect()
+            let (front, back) = in_order(a, face);
+            fan(a.xy, front, back, [b, c, d, b])
         }
         // Front edge a b and back edge c d cross: a + t (b − a) = c + u (d − c), by Cramer.
         ProjectionClass::Class2 => {
@@ -201,16 +287,17 @@ fn fan(classified: Classified, projected: [Projected; 4]) -> ArrayVec<FanVertex,
             let area = ab.perp_dot(cd);
             let (t, u) = (ac.perp_dot(cd) / area, ac.perp_dot(ab) / area);
             let (front, back) = (a.lerp(b, t), c.lerp(d, u));
-            [thick(front.xy, front, back), thin(a), thin(c), thin(b), thin(d), thin(a)].into_iter().collect()
+            fan(front.xy, front, back, [a, c, b, d])
         }
         // a lies on edge b d.
         ProjectionClass::Class3 => {
             let bd = d.xy - b.xy;
             let t = (a.xy - b.xy).dot(bd) / bd.length_squared();
-            [on_either_side(a, b.lerp(d, t)), thin(b), thin(c), thin(d)].into_iter().collect()
+            let (front, back) = in_order(a, b.lerp(d, t));
+            fan(a.xy, front, back, [b, c, d, a])
         }
         // a lies in front of b.
-        ProjectionClass::Class4 => [thick(a.xy, a, b), thin(c), thin(d)].into_iter().collect(),
+        ProjectionClass::Class4 => fan(a.xy, a, b, [c, d, a, a]),
     }
 }
 

@@ -8,158 +8,52 @@ use std::time::Instant;
 use glam::DVec2;
 use rayon::prelude::*;
 
+use crate::backends::draw_order::DrawOrder;
 use crate::backends::{Counts, Frame};
 use crate::image::Image;
 use crate::optics::{CellSpan, LANES, Optics, Segments};
 use crate::profile::Profile;
-use crate::stages::classify::ProjectionClass;
-use crate::stages::cull;
-use crate::stages::fans::{self, Fan, FanCounts, FanInput, FanSlot, FanVertex};
-use crate::stages::footprints::PixelBoxes;
-use crate::stages::project::project;
-use crate::stages::sort::KeyMaker;
-use crate::stages::sort::radix::{Pair, index_of, pair, sort_coherent};
-use crate::stages::{ScreenVertex, View};
+use crate::stages::View;
+use crate::stages::fans::Fan;
 
-/// Cells whose fans are in memory at once.
+/// Fans that are in memory at once.
 const SLICE: usize = 1 << 16;
-/// Cells that one thread makes fans of at a time.
-const RUN: usize = 1 << 12;
 /// Rows that one thread rasterises at a time.
 const BAND: usize = 16;
 
 /// Draws triangle fans; keeps its memory, and the last draw order, between frames.
 #[derive(Default)]
 pub struct FanCompositor {
-    screen: Vec<ScreenVertex>,
-    pairs: Vec<Pair>,
-    scratch: Vec<Pair>,
+    order: DrawOrder,
     fans: Vec<Fan>,
-    vertices: Vec<FanVertex>,
 }
 
 impl FanCompositor {
     /// Draws one frame.
     pub fn draw<O: Optics>(&mut self, frame: &Frame, optics: &O, profile: &mut Profile) -> (Image, Counts) {
-        let start = Instant::now();
-        project(frame.view, frame.vertices, &mut self.screen);
-        profile.add("project", start.elapsed(), frame.vertices.len() as u64 * 32);
-
-        let mut counts = self.cull_and_key::<O>(frame, profile);
-        let start = Instant::now();
-        if O::IS_ORDERED {
-            sort_coherent(&mut self.pairs, &mut self.scratch);
-        }
-        profile.add("sort", start.elapsed(), self.pairs.len() as u64 * 64);
-
+        let mut counts = self.order.find(frame, O::IS_ORDERED, profile);
         let [width, height] = frame.view.size_px;
         let mut image = Image::filled(width, height, O::CLEAR);
-        let input = FanInput::new(frame.view, frame.dataset, frame.vertices, frame.cell_values());
-        // Nearest first is the order of the keys; blending wants the farthest first.
-        for slice in self.pairs.rchunks(SLICE) {
+        let input = self.order.fan_input(frame);
+        for slice in self.order.slices(&input, SLICE) {
             let start = Instant::now();
-            let by_class = make_fans(&input, slice, &mut self.fans, &mut self.vertices);
-            for (sum, n) in counts.by_class.iter_mut().zip(by_class) {
-                *sum += n;
-            }
-            profile.add("fans", start.elapsed(), self.vertices.len() as u64 * size_of::<FanVertex>() as u64);
+            self.fans.clear();
+            self.fans.resize(slice.fans(), Fan::default());
+            counts.add_classes(slice.write(&input, &mut self.fans[..]));
+            profile.add("fans", start.elapsed(), (self.fans.len() * size_of::<Fan>()) as u64);
 
             let start = Instant::now();
             image.pixels.par_chunks_mut(width as usize * BAND).enumerate().for_each(|(band, pixels)| {
                 let mut rows = Rows { first: band * BAND, width: width as usize, pixels };
                 for fan in &self.fans {
-                    rows.draw_fan(frame, optics, fan, &self.vertices);
+                    rows.draw_fan(frame, optics, fan);
                 }
             });
-            profile.add("composite", start.elapsed(), self.vertices.len() as u64 * 24);
+            profile.add("composite", start.elapsed(), (self.fans.len() * size_of::<Fan>()) as u64);
         }
         image.pixels.par_iter_mut().for_each(|pixel| *pixel = optics.pixel(*pixel));
-        counts.triangles =
-            ProjectionClass::ALL.iter().map(|&class| counts.by_class[class as usize] * class.triangles() as u64).sum();
         (image, counts)
     }
-
-    /// Fills `pairs` with the cells that can show: in the last frame's order if they are to be sorted, else in memory order.
-    fn cull_and_key<O: Optics>(&mut self, frame: &Frame, profile: &mut Profile) -> Counts {
-        let start = Instant::now();
-        let boxes = PixelBoxes::new(frame.view);
-        let keys = KeyMaker::new(frame.sort_key, frame.view);
-        let screen = &self.screen[..];
-        let per_block: Vec<(Vec<Pair>, Counts)> = (0..frame.dataset.blocks.len())
-            .into_par_iter()
-            .map(|block| {
-                let view = frame.dataset.block(block);
-                let (mut visible, mut projected, mut areas) = (Vec::new(), Vec::new(), Vec::new());
-                let culled = cull::cull(&view, frame.field, screen, (frame.pieces, frame.cull_table), &mut visible);
-                boxes.of_cells(&view, frame.vertices, screen, &visible, &mut projected, &mut areas);
-                let mut key_from_projected = Vec::with_capacity(projected.len());
-                keys.keys(&view, frame.vertices, &projected, &mut key_from_projected);
-                let counts = Counts {
-                    drawn: projected.len() as u64,
-                    culled_transparent: culled.transparent,
-                    culled_outside: (visible.len() - projected.len()) as u64,
-                    invalid: culled.invalid,
-                    ..Counts::default()
-                };
-                let of_cell = |(&cell, &key): (&u32, &u32)| pair(key, (view.base + cell as usize) as u32);
-                (projected.iter().zip(&key_from_projected).map(of_cell).collect(), counts)
-            })
-            .collect();
-        let mut counts = Counts::default();
-        for (_, block) in &per_block {
-            counts += *block;
-        }
-        let pairs = per_block.iter().flat_map(|(pairs, _)| pairs);
-        if O::IS_ORDERED {
-            self.take_up_last_order(pairs, frame.dataset.tets.len());
-        } else {
-            self.pairs.clear();
-            self.pairs.extend(pairs);
-        }
-        profile.add("cull", start.elapsed(), frame.dataset.tets.len() as u64 * 32);
-        counts
-    }
-
-    /// Puts this frame's pairs where the last frame's stood; cells that were not drawn then come last.
-    fn take_up_last_order<'a>(&mut self, pairs: impl Iterator<Item = &'a Pair>, cells: usize) {
-        const ABSENT: u64 = u64::MAX;
-        self.scratch.clear();
-        self.scratch.resize(cells, ABSENT);
-        for &new in pairs {
-            self.scratch[index_of(new) as usize] = new;
-        }
-        let mut order = std::mem::take(&mut self.pairs);
-        order.retain_mut(|pair| {
-            let Some(new) = self.scratch.get_mut(index_of(*pair) as usize) else { return false };
-            *pair = std::mem::replace(new, ABSENT);
-            *pair != ABSENT
-        });
-        order.extend(self.scratch.iter().filter(|&&new| new != ABSENT));
-        self.pairs = order;
-    }
-}
-
-/// Makes the fans of `slice`, farthest first, in parallel runs.
-fn make_fans(input: &FanInput, slice: &[Pair], fans: &mut Vec<Fan>, vertices: &mut Vec<FanVertex>) -> [u64; 5] {
-    let cells = |run: &'_ [Pair]| run.iter().rev().map(|&pair| index_of(pair)).collect::<Vec<u32>>();
-    let runs: Vec<Vec<u32>> = slice.par_rchunks(RUN).map(cells).collect();
-    let counts: Vec<FanCounts> = runs.par_iter().map(|run| fans::count(input, run.iter().copied())).collect();
-    fans.clear();
-    fans.resize(counts.iter().map(|count| count.fans).sum(), Fan::default());
-    vertices.clear();
-    vertices.resize(counts.iter().map(|count| count.vertices).sum(), FanVertex::default());
-    // Prefix sum: each run is lent its part of the memory.
-    let (mut fans, mut vertices, mut first_vertex) = (&mut fans[..], &mut vertices[..], 0);
-    let mut slots = Vec::with_capacity(runs.len());
-    for count in &counts {
-        let (these, rest) = std::mem::take(&mut fans).split_at_mut(count.fans);
-        let (own, others) = std::mem::take(&mut vertices).split_at_mut(count.vertices);
-        (fans, vertices) = (rest, others);
-        slots.push(FanSlot { fans: these, vertices: own, first_vertex });
-        first_vertex += count.vertices as u32;
-    }
-    let by_run = runs.into_par_iter().zip(slots).map(|(run, slot)| fans::write(input, run, slot));
-    by_run.reduce(|| [0; 5], |a, b| std::array::from_fn(|class| a[class] + b[class]))
 }
 
 /// Some rows of the picture; pixels hold contributions.
@@ -170,23 +64,18 @@ struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    fn draw_fan<O: Optics>(&mut self, frame: &Frame, optics: &O, fan: &Fan, vertices: &[FanVertex]) {
-        let class = ProjectionClass::ALL[fan.class as usize];
-        let ring = &vertices[fan.first_vertex as usize..][..class.fan_vertices()];
-        let rows = ring.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), vertex| {
-            (low.min(vertex.position_px[1]), high.max(vertex.position_px[1]))
+    fn draw_fan<O: Optics>(&mut self, frame: &Frame, optics: &O, fan: &Fan) {
+        let rows = (0..5).fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), i| {
+            let ([_, y], ..) = fan.vertex(i);
+            (low.min(y), high.max(y))
         });
         if rows.1 < self.first as f32 || rows.0 > (self.first + self.pixels.len() / self.width) as f32 {
             return;
         }
-        let is_perspective = frame.view.is_perspective;
-        let scalars = ring.iter().flat_map(|vertex| [vertex.front, vertex.back]);
-        let (low, high) = scalars
-            .map(|[v, q]| if is_perspective { q / v } else { q })
-            .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), s| (low.min(s), high.max(s)));
+        let [low, high] = fan.s_range;
         let span = CellSpan::new(frame.pieces, low, high);
-        for two in ring[1..].windows(2) {
-            self.draw_triangle(frame.view, optics, (span, [low, high]), [&ring[0], &two[0], &two[1]]);
+        for triangle in Fan::TRIANGLES {
+            self.draw_triangle(frame.view, optics, (span, fan.s_range), triangle.map(|i| fan.vertex(i)));
         }
     }
 
@@ -196,9 +85,9 @@ impl Rows<'_> {
         view: &View,
         optics: &O,
         cell: (CellSpan, [f32; 2]),
-        triangle: [&FanVertex; 3],
+        triangle: [([f32; 2], [f32; 2], [f32; 2]); 3],
     ) {
-        let p = triangle.map(|vertex| DVec2::from_array(vertex.position_px.map(f64::from)));
+        let p = triangle.map(|(position_px, ..)| DVec2::from_array(position_px.map(f64::from)));
         let area = (p[1] - p[0]).perp_dot(p[2] - p[0]);
         if area == 0.0 || !area.is_finite() {
             return;
@@ -223,11 +112,10 @@ impl Rows<'_> {
                     weight > 0.0 || (weight == 0.0 && (edge.y < 0.0 || (edge.y == 0.0 && edge.x > 0.0)))
                 });
                 if is_inside {
-                    let mix = |of: fn(&FanVertex) -> f32| -> f64 {
-                        (0..3).map(|i| weights[i] * f64::from(of(triangle[i]))).sum()
-                    };
-                    let front = [mix(|vertex| vertex.front[0]), mix(|vertex| vertex.front[1])];
-                    let back = [mix(|vertex| vertex.back[0]), mix(|vertex| vertex.back[1])];
+                    let ends = triangle.map(|(_, front, back)| [front, back]);
+                    let mix =
+                        |end: usize, k: usize| -> f64 { (0..3).map(|i| weights[i] * f64::from(ends[i][end][k])).sum() };
+                    let [front, back] = [0, 1].map(|end| [mix(end, 0), mix(end, 1)]);
                     let pixel = (y - self.first) * self.width + x;
                     if lanes.push(view, pixel, [x, y], front, back, cell.1) {
                         lanes.flush(optics, cell.0, self.pixels);

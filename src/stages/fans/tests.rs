@@ -1,29 +1,32 @@
 use super::*;
-use crate::stages::project::scene_vertices;
+use crate::stages::project::{project, scene_vertices};
 use crate::stages::testing::{Random, corners, depths_in_cell, random_cells, ray, views};
 
-/// All fans of `dataset`, each with its vertices.
-fn all_fans(dataset: &Dataset, vertices: &[SceneVertex], view: &View) -> Vec<(Fan, Vec<FanVertex>)> {
-    let input = FanInput::new(view, dataset, vertices, None);
-    let cells = 0..dataset.tets.len() as u32;
-    let counts = count(&input, cells.clone());
-    let (mut fans, mut records) = (vec![Fan::default(); counts.fans], vec![FanVertex::default(); counts.vertices]);
-    let by_class = write(&input, cells, FanSlot { fans: &mut fans, vertices: &mut records, first_vertex: 0 });
-    assert_eq!(by_class.iter().sum::<u64>(), fans.len() as u64);
-    let ring = |fan: &Fan| {
-        let class = ProjectionClass::ALL[fan.class as usize];
-        records[fan.first_vertex as usize..][..class.fan_vertices()].to_vec()
-    };
-    fans.iter().map(|fan| (*fan, ring(fan))).collect()
+/// All fans of `dataset`, each with the cell it belongs to.
+fn all_fans(dataset: &Dataset, vertices: &[SceneVertex], view: &View) -> Vec<(usize, Fan)> {
+    let mut screen = Vec::new();
+    project(view, vertices, &mut screen);
+    let input = FanInput::new(view, dataset, vertices, &screen, None);
+    let mut all = Vec::new();
+    for cell in 0..dataset.tets.len() as u32 {
+        let mut fans = vec![Fan::default(); count(&input, &[cell])];
+        let mut slot = &mut fans[..];
+        let by_class = write(&input, &[cell], &mut slot);
+        assert!(slot.is_empty(), "the count is exact");
+        assert_eq!(by_class.iter().sum::<u64>(), fans.len() as u64);
+        all.extend(fans.into_iter().map(|fan| (cell as usize, fan)));
+    }
+    all
+}
+
+/// The sum of the areas of a fan's triangles.
+fn area_of_fan(fan: &Fan) -> f64 {
+    Fan::TRIANGLES.map(|triangle| area(triangle.map(|i| Vec2::from_array(fan.vertex(i).0)))).iter().sum()
 }
 
 fn area([a, b, c]: [Vec2; 3]) -> f64 {
     let [a, b, c] = [a, b, c].map(Vec2::as_dvec2);
     0.5 * (b - a).perp_dot(c - a).abs()
-}
-
-fn xy(vertex: &FanVertex) -> Vec2 {
-    Vec2::from_array(vertex.position_px)
 }
 
 #[test]
@@ -33,18 +36,21 @@ fn a_fan_covers_half_the_area_of_its_cells_projected_faces() {
     let [outside, _, parallel] = views(&dataset, 512, 512);
     for view in [outside, parallel] {
         let fans = all_fans(&dataset, &vertices, &view);
-        assert!(fans.len() > 9990, "only cells seen edge-on have no fan");
-        for (fan, ring) in fans {
-            let of_fan: f64 = ring[1..].windows(2).map(|two| area([xy(&ring[0]), xy(&two[0]), xy(&two[1])])).sum();
+        assert!(
+            fans.iter().filter(|(_, fan)| *fan == Fan::default()).count() < 10,
+            "only cells seen edge-on cover nothing"
+        );
+        for (cell, fan) in fans {
+            let of_fan = area_of_fan(&fan);
             let p = dataset
                 .tets
-                .get(fan.cell as usize)
+                .get(cell)
                 .map(|v| view.projection().project(Vec3::from_array(vertices[v as usize].position)).truncate());
             let faces: f64 = crate::stages::classify::FACES.iter().map(|face| area(face.map(|i| p[i]))).sum();
             let extent = p.iter().flat_map(|a| p.iter().map(move |b| a.distance(*b))).fold(0.0, f32::max);
             // A coordinate is off by some 1e-4 px; that times the extent.
             let allowed = 3e-4 * f64::from(extent) + 1e-6;
-            assert!((of_fan - 0.5 * faces).abs() < allowed, "cell {}: {of_fan} px², {faces} of its faces", fan.cell);
+            assert!((of_fan - 0.5 * faces).abs() < allowed, "cell {cell}: {of_fan} px², {faces} of its faces");
         }
     }
 }
@@ -56,23 +62,19 @@ fn the_thick_vertex_is_as_thick_as_the_cell_there() {
     let [outside, _, parallel] = views(&dataset, 512, 512);
     for view in [outside, parallel] {
         let (mut checked, mut worst) = (0, 0.0_f64);
-        for (fan, ring) in all_fans(&dataset, &vertices, &view) {
-            let size: f64 = ring[1..].windows(2).map(|two| area([xy(&ring[0]), xy(&two[0]), xy(&two[1])])).sum();
-            let p = corners(&dataset, &vertices, fan.cell as usize);
+        for (cell, fan) in all_fans(&dataset, &vertices, &view) {
+            let size = area_of_fan(&fan);
+            let p = corners(&dataset, &vertices, cell);
             let volume = (p[1] - p[0]).cross(p[2] - p[0]).dot(p[3] - p[0]).abs();
             // Slivers have no sharp thickness: a coordinate's last bit changes it.
             if size < 10.0 || volume < 1e-5 {
                 continue;
             }
-            let [x, y] = ring[0].position_px.map(f64::from);
+            let [x, y] = fan.thick_px.map(f64::from);
             let exact = depths_in_cell(&view, ray(&view, x, y), p);
             let depth = |v: f32| f64::from(if view.is_perspective { 1.0 / v } else { -v });
-            let (front, back) = (depth(ring[0].front[0]), depth(ring[0].back[0]));
+            let (front, back) = (depth(fan.front[0]), depth(fan.back[0]));
             worst = worst.max(((back - front) - (exact.1 - exact.0)).abs());
-            assert!(
-                ring[1..].iter().all(|vertex| vertex.front.map(f32::to_bits) == vertex.back.map(f32::to_bits)),
-                "the ring has no thickness"
-            );
             checked += 1;
         }
         println!("{checked} thick vertices, largest error {worst:.2e} scene units");
@@ -89,12 +91,12 @@ fn fans_cut_at_the_near_plane_lie_behind_it() {
     let mut view = views(&dataset, 64, 64)[1];
     view.near = 0.05;
     let fans = all_fans(&dataset, &vertices, &view);
-    let cut = fans.windows(2).filter(|two| two[0].0.cell == two[1].0.cell).count();
+    let cut = fans.windows(2).filter(|two| two[0].0 == two[1].0).count();
     assert!(cut > 20, "{cut} cells were cut into several");
-    for (_, ring) in fans {
-        for vertex in ring {
-            let nearest = vertex.front[0].max(vertex.back[0]);
-            assert!(nearest > 0.0 && nearest < 1.001 / view.near, "{vertex:?}");
+    for (_, fan) in fans.iter().filter(|(_, fan)| *fan != Fan::default()) {
+        for (_, front, back) in (0..5).map(|i| fan.vertex(i)) {
+            let nearest = front[0].max(back[0]);
+            assert!(nearest > 0.0 && nearest < 1.001 / view.near, "{fan:?}");
         }
     }
 }
