@@ -2,9 +2,14 @@
 //!
 //! In: a [`Scene`] (mesh, field, transfer function) and a [`Camera`]. Out: a [`Rendered`] picture with its figures.
 
+#[cfg(feature = "gpu")]
+mod gpu;
+
 use std::time::Instant;
 
 use crate::backends::cpu::{FanCompositor, InstructionSet, TileCompositor};
+#[cfg(feature = "gpu")]
+use crate::backends::gpu::GpuCompositor;
 use crate::backends::{Counts, Frame, scene_bytes};
 use crate::camera::Camera;
 use crate::columns::{Dataset, Field};
@@ -159,6 +164,8 @@ pub struct Renderer {
     options: RenderOptions,
     tiles: TileCompositor,
     fans: FanCompositor,
+    #[cfg(feature = "gpu")]
+    gpu: Option<GpuCompositor>,
     /// Pictures of so many pixels were found to fit into memory.
     checked_pixels: u64,
 }
@@ -171,7 +178,7 @@ impl Renderer {
     pub fn new(options: RenderOptions) -> Self {
         let mut tiles = TileCompositor::default();
         tiles.set_instruction_set(options.instruction_set);
-        Self { options, tiles, fans: FanCompositor::default(), checked_pixels: 0 }
+        Self { options, tiles, ..Self::default() }
     }
 
     /// Draws one frame.
@@ -181,19 +188,18 @@ impl Renderer {
     /// memory budget is too small, [`Error::OutOfMemory`] where the picture is too large for the system's, [`Error::Changed`] where a
     /// file that is used in place has changed.
     pub fn render(&mut self, scene: &Scene, camera: &Camera) -> Result<Rendered> {
+        self.run(scene, camera, Self::draw)
+    }
+
+    /// Checks options and camera, and has the frame drawn.
+    fn run(
+        &mut self,
+        scene: &Scene,
+        camera: &Camera,
+        draw: impl FnOnce(&mut Self, &Frame, &mut Profile) -> Result<(Image, Counts)>,
+    ) -> Result<Rendered> {
+        self.check_options()?;
         let options = self.options;
-        if !(0.0..1.0).contains(&options.stop_transmittance) {
-            let problem = format!("{}; a transmittance from 0 (never stop) to below 1", options.stop_transmittance);
-            return Err(Error::Option { option: "--stop", problem });
-        }
-        if options.sort == SortMethod::Exact && options.cpu_method == CpuMethod::Fans {
-            let problem = "exact checks every fragment, which fans do not; use footprints, or power".to_owned();
-            return Err(Error::Option { option: "--sort", problem });
-        }
-        if options.memory_bytes.is_some() && (options.cpu_method == CpuMethod::Fans || options.check_order) {
-            let problem = "fans and --check-order take all cells at once and keep no budget; leave one of both out";
-            return Err(Error::Option { option: "--memory", problem: problem.to_owned() });
-        }
         if let Some(backing) = &scene.dataset.backing {
             backing.check()?;
         }
@@ -214,13 +220,40 @@ impl Renderer {
             memory_bytes: options.memory_bytes,
         };
         let mut profile = Profile::default();
-        let (image, counts) = self.draw(&frame, &mut profile)?;
+        let (image, counts) = draw(self, &frame, &mut profile)?;
         let frame_ms = start.elapsed().as_secs_f64() * 1e3;
 
         let misordered_pairs = options.check_order.then(|| misordered_pairs(&frame));
-        let cells = cell_stats(&scene.dataset, &counts, options.cpu_method);
+        let cells = cell_stats(&scene.dataset, &counts, self.draws_fans());
         let order = self.order_stats(scene, &counts, misordered_pairs);
         Ok(Rendered { image, cells, triangles: counts.triangles, order, profile, frame_ms })
+    }
+
+    fn check_options(&self) -> Result<()> {
+        let options = self.options;
+        if !(0.0..1.0).contains(&options.stop_transmittance) {
+            let problem = format!("{}; a transmittance from 0 (never stop) to below 1", options.stop_transmittance);
+            return Err(Error::Option { option: "--stop", problem });
+        }
+        if options.sort == SortMethod::Exact && self.draws_fans() {
+            let problem =
+                "exact checks every fragment, which fans (and GPUs) do not; use footprints, or power".to_owned();
+            return Err(Error::Option { option: "--sort", problem });
+        }
+        if options.memory_bytes.is_some() && (self.draws_fans() || options.check_order) {
+            let problem = "fans (and GPUs) and --check-order take all cells at once and keep no budget; leave one out";
+            return Err(Error::Option { option: "--memory", problem: problem.to_owned() });
+        }
+        Ok(())
+    }
+
+    /// Whether cells are drawn as triangle fans, which are classified and not checked.
+    fn draws_fans(&self) -> bool {
+        #[cfg(feature = "gpu")]
+        if self.gpu.is_some() {
+            return true;
+        }
+        self.options.cpu_method == CpuMethod::Fans
     }
 
     /// Pictures larger than any before have to fit into memory.
@@ -248,6 +281,10 @@ impl Renderer {
     fn draw(&mut self, frame: &Frame, profile: &mut Profile) -> Result<(Image, Counts)> {
         let pieces = frame.pieces;
         let RenderOptions { model, integral, .. } = self.options;
+        #[cfg(feature = "gpu")]
+        if let Some(gpu) = &mut self.gpu {
+            return gpu.draw(frame, (model, integral), profile);
+        }
         match (model, integral) {
             (Model::Mip, _) => self.draw_with(frame, &Mip { pieces }, profile),
             (Model::Absorption, _) => self.draw_with(frame, &Absorption { pieces }, profile),
@@ -271,8 +308,8 @@ impl Renderer {
     }
 
     fn order_stats(&self, scene: &Scene, counts: &Counts, misordered_pairs: Option<u64>) -> OrderStats {
-        let RenderOptions { model, sort, cpu_method, .. } = self.options;
-        let is_checked = cpu_method == CpuMethod::Footprints;
+        let RenderOptions { model, sort, .. } = self.options;
+        let is_checked = !self.draws_fans();
         let is_redone = matches!(sort, SortMethod::Auto | SortMethod::Exact);
         let (kind, exactness) = if model.is_order_free() {
             ("none", Exactness::Exact)
@@ -315,14 +352,13 @@ fn misordered_pairs(frame: &Frame) -> u64 {
     check_order(frame.dataset, frame.vertices, frame.view, &order).misordered
 }
 
-fn cell_stats(dataset: &Dataset, counts: &Counts, method: CpuMethod) -> CellStats {
+fn cell_stats(dataset: &Dataset, counts: &Counts, is_classified: bool) -> CellStats {
     let file = &dataset.counts;
     let skipped = file.lower_dimensional + file.ghost + file.unsupported;
-    let by_class = match method {
-        CpuMethod::Footprints => Vec::new(),
-        CpuMethod::Fans => {
-            ProjectionClass::ALL.iter().map(|&class| (class.name(), counts.by_class[class as usize])).collect()
-        }
+    let by_class = if is_classified {
+        ProjectionClass::ALL.iter().map(|&class| (class.name(), counts.by_class[class as usize])).collect()
+    } else {
+        Vec::new()
     };
     CellStats {
         total: dataset.tets.len() as u64 + file.degenerate + skipped,

@@ -5,6 +5,8 @@
 
 pub mod cpu;
 mod draw_order;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 
 use crate::columns::{Association, Dataset, Field};
 use crate::optics::{CullTable, Pieces};

@@ -6,6 +6,7 @@
 mod arguments;
 mod array;
 mod automatic;
+mod backend;
 mod heap;
 mod memory;
 mod pictures;
@@ -19,9 +20,10 @@ use std::time::Instant;
 use cellfan::image::Encoding;
 use cellfan::io::container;
 use cellfan::profile::{Profile, Stats, peak_rss_bytes};
-use cellfan::{CpuMethod, Dataset, Error, Image, Model, RenderOptions, Rendered, Renderer, Scene, SortMethod, io};
+use cellfan::{CpuMethod, Dataset, Error, Image, Model, RenderOptions, Rendered, Scene, SortMethod, io};
 
 pub(super) use arguments::Arguments;
+use backend::Backend;
 use memory::Memory;
 use pictures::Pictures;
 use summary::Summary;
@@ -34,6 +36,7 @@ use super::{Outcome, stdout};
 pub(super) fn run(arguments: &Arguments) -> Outcome {
     let path = one_mesh(arguments)?;
     let options = options(arguments)?;
+    let mut backend = Backend::choose(arguments)?;
     let encoding = encoding(arguments);
     let mut pictures = Pictures::create(arguments.output_path(path), encoding, arguments.frames)?;
     let stats_path = arguments.stats.as_deref().filter(|path| *path != Path::new("-"));
@@ -58,7 +61,8 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
     before.sample_memory();
 
     let memory = Memory::new(arguments.memory, &scene);
-    let mut renderer = Renderer::new(RenderOptions { memory_bytes: memory.of_frame()?, ..options });
+    let options = RenderOptions { memory_bytes: memory.of_frame()?, ..options };
+    let mut renderer = backend.renderer(options);
     let mut after = Profile::default();
     let mut frames = Frames::default();
     let count = arguments.frames.unwrap_or(1);
@@ -70,7 +74,8 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         for frame in 0..count {
             let degrees = f64::from(frame) * arguments.orbit / f64::from(count);
             let camera = if frame == 0 { camera.clone() } else { camera.orbited(degrees) };
-            let rendered = renderer.render(&scene, &camera).map_err(|error| memory.in_process(error))?;
+            let rendered =
+                backend.render(&mut renderer, options, &scene, &camera).map_err(|error| memory.in_process(error))?;
             let start = Instant::now();
             pictures.push(&rendered.image)?;
             after.add("write", start.elapsed(), 0);
@@ -92,8 +97,8 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         frame: Profile::median(&frames.profiles),
         after,
         frames: frames.times_ms,
-        backend: "cpu",
-        adapter: None,
+        backend: backend.name(),
+        adapter: backend.adapter(),
         threads: rayon::current_num_threads(),
         peak_rss_bytes: peak_rss_bytes(),
         memory_bytes: arguments.memory,
@@ -164,10 +169,6 @@ fn one_mesh(arguments: &Arguments) -> cellfan::Result<&Path> {
 }
 
 fn options(arguments: &Arguments) -> cellfan::Result<RenderOptions> {
-    if arguments.backend == arguments::Backend::Gpu {
-        let problem = "this version draws on the CPU only; leave --backend out or say --backend cpu".to_owned();
-        return Err(Error::NoDevice { problem });
-    }
     // The renderer would refuse it too, but only when the mesh has been read.
     if arguments.sort == SortMethod::Exact && arguments.cpu_method == CpuMethod::Fans {
         let problem = "exact needs --cpu-method footprints; with fans say --sort power".to_owned();

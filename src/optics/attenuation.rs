@@ -17,26 +17,28 @@ use super::exp::polynomial;
 pub const THIN_LIMIT: f32 = 2.0;
 
 /// Beyond this an optical depth is as good as infinite: J changes by less than 1e-9.
-const DEPTH_LIMIT: f32 = 1e9;
+pub(super) const DEPTH_LIMIT: f32 = 1e9;
 
 // Q = Σ c_ik m^2i δ^k, by powers of δ, each by powers of m². Minimax fit (Lawson) to 40-point Gauss-Legendre quadrature over
 // 0 < m <= 2, |δ| <= m, of h Q / m: error 4.4e-8, so the error of Q h vanishes with m.
-const Q0: [f32; 4] = [0.041_666_64, 5.209_367e-4, 3.057_824_2e-6, 1.631_816_1e-8];
-const Q1: [f32; 4] = [0.166_666_66, 0.004_166_823, 3.714_308e-5, 1.802_863e-7];
-const Q2: [f32; 3] = [0.016_666_738, 2.973_532_2e-4, 2.092_739e-6];
-const Q3: [f32; 3] = [0.001_190_312_3, 1.646_350_4e-5, 1.183_360_8e-7];
-const Q4: [f32; 2] = [6.620_592e-5, 9.292_365e-7];
-const Q5: f32 = 3.155_743e-6;
+pub(super) const Q0: [f32; 4] = [0.041_666_64, 5.209_367e-4, 3.057_824_2e-6, 1.631_816_1e-8];
+pub(super) const Q1: [f32; 4] = [0.166_666_66, 0.004_166_823, 3.714_308e-5, 1.802_863e-7];
+pub(super) const Q2: [f32; 3] = [0.016_666_738, 2.973_532_2e-4, 2.092_739e-6];
+pub(super) const Q3: [f32; 3] = [0.001_190_312_3, 1.646_350_4e-5, 1.183_360_8e-7];
+pub(super) const Q4: [f32; 2] = [6.620_592e-5, 9.292_365e-7];
+pub(super) const Q5: f32 = 3.155_743e-6;
 
 // √π (z + a) erfcx(z), z = a (1 - p)/p, a = 1.4: degree 4 over 4, weighted by what J makes of it for m >= 2: error 3.6e-8.
-const RISING_SHIFT: f32 = 2.8;
-const RISING_TOP: [f32; 7] = [1.000_000_1, 0.695_131_84, 2.096_696_1, 1.501_353_6, 1.111_188_3, 0.0, 0.0];
-const RISING_BOTTOM: [f32; 7] = [1.0, -0.304_851_7, 1.656_046, -0.154_003_07, 0.383_721_3, 0.0, 0.0];
+pub(super) const RISING_SHIFT: f32 = 2.8;
+pub(super) const RISING_TOP: [f32; 7] = [1.000_000_1, 0.695_131_84, 2.096_696_1, 1.501_353_6, 1.111_188_3, 0.0, 0.0];
+pub(super) const RISING_BOTTOM: [f32; 7] = [1.0, -0.304_851_7, 1.656_046, -0.154_003_07, 0.383_721_3, 0.0, 0.0];
 
 // 2 (v + b) F(√v)/√v, v = b (1 - p)/p, b = 2.5: degree 6 over 6, weighted likewise: error 3.3e-7.
-const FALLING_SHIFT: f32 = 10.0;
-const FALLING_TOP: [f32; 7] = [1.000_000_6, -5.566_057, 22.459_263, -32.816_45, 65.146_88, -46.490_032, 222.252_24];
-const FALLING_BOTTOM: [f32; 7] = [1.0, -6.765_767_6, 29.036_5, -58.839_977, 94.233_87, -59.461_876, 45.994_93];
+pub(super) const FALLING_SHIFT: f32 = 10.0;
+pub(super) const FALLING_TOP: [f32; 7] =
+    [1.000_000_6, -5.566_057, 22.459_263, -32.816_45, 65.146_88, -46.490_032, 222.252_24];
+pub(super) const FALLING_BOTTOM: [f32; 7] =
+    [1.0, -6.765_767_6, 29.036_5, -58.839_977, 94.233_87, -59.461_876, 45.994_93];
 
 /// Q in J = e^(-m/2) (1 + Q), for m = (x + y)/2 <= [`THIN_LIMIT`] and δ = (y - x)/2; error below 5e-8 m e^(m/2).
 #[inline(always)]

@@ -47,6 +47,11 @@ impl<'a> Textured<'a> {
         )?;
         Ok(Self { pieces, texture })
     }
+
+    /// The table of opacities.
+    pub fn texture(&self) -> &OpacityTexture {
+        &self.texture
+    }
 }
 
 /// Reads both ends of each segment and weighs their colours.

@@ -4,21 +4,21 @@
 //! gives the same bits (no fused multiply-add: it would round differently where it exists).
 
 /// 2^n e^-r with r in ±ln2/2: e^-r - 1 + r, over r². Minimax fit (Lawson), relative error 3.1e-9 on ±0.347.
-const EXP_TAIL: [f32; 5] = [0.499_999_94, -0.166_665_2, 0.041_668_396, -0.008_368_8, 0.001_381_444_3];
+pub(super) const EXP_TAIL: [f32; 5] = [0.499_999_94, -0.166_665_2, 0.041_668_396, -0.008_368_8, 0.001_381_444_3];
 
 /// (1 - e^-x)/x - 1, over x. Minimax fit (Lawson), relative error of the whole 2.8e-9 on [0, 1].
-const ONE_MINUS_TAIL: [f32; 6] =
+pub(super) const ONE_MINUS_TAIL: [f32; 6] =
     [-0.499_999_85, 0.166_663_66, -0.041_647_468, 0.008_276_206, -0.001_301_124_1, 1.291_300_6e-4];
 
 /// ln 2 in two parts: the first has 9 significant bits, so that n times it is exact for n < 2^15 (Cody and Waite).
-const LN_2_HIGH: f32 = 355.0 / 512.0;
-const LN_2_LOW: f32 = -2.121_944_4e-4;
+pub(super) const LN_2_HIGH: f32 = 355.0 / 512.0;
+pub(super) const LN_2_LOW: f32 = -2.121_944_4e-4;
 
 /// 1.5 · 2^23: adding it leaves the nearest integer in the low bits of the sum.
 const ROUND: f32 = 12_582_912.0;
 
 /// Beyond this e^-x is below the smallest normal f32 and counts as 0.
-const UNDERFLOW: f32 = 87.3;
+pub(super) const UNDERFLOW: f32 = 87.3;
 
 /// `c[0] + c[1] x + …`, Horner.
 #[inline(always)]

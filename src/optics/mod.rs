@@ -36,6 +36,8 @@ pub mod read;
 pub mod texture;
 mod thin_points;
 pub mod transfer;
+#[cfg(feature = "gpu")]
+pub(crate) mod wgsl;
 
 pub use absorption::Absorption;
 pub use averaged::{Averaged, Textured};

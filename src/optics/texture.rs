@@ -84,6 +84,21 @@ impl OpacityTexture {
         SegmentWeights { w0: 0.5 * opacity, w1: 0.5 * opacity, transmittance: 1.0 - opacity }
     }
 
+    /// Texels a side.
+    pub fn size(&self) -> usize {
+        self.size
+    }
+
+    /// What a length and an extinction are multiplied by for their place among the texels.
+    pub fn texel_per_length_and_extinction(&self) -> [f32; 2] {
+        [self.texel_per_length, self.texel_per_extinction]
+    }
+
+    /// Opacities, a row of growing length for each extinction.
+    pub fn texels(&self) -> &[f32] {
+        &self.texels
+    }
+
     /// Texel and fraction towards the next; NaN and below count as 0.
     fn place(&self, texels: f32) -> (usize, f32) {
         let clamped = texels.max(0.0).min((self.size - 1) as f32);

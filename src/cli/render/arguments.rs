@@ -62,9 +62,15 @@ pub(in crate::cli) struct Arguments {
     #[arg(long, value_name = "DEGREES", help_heading = "View", default_value = "360", requires = "frames", value_parser = finite, allow_hyphen_values = true)]
     pub(super) orbit: f64,
 
-    /// What draws; this version has the CPU only.
+    /// What draws; auto takes a real GPU if there is one and the other options allow it, and the CPU otherwise.
     #[arg(long, help_heading = "Method", default_value = "auto", value_parser = one_of([("auto", Backend::Auto), ("gpu", Backend::Gpu), ("cpu", Backend::Cpu)]))]
     pub(super) backend: Backend,
+    /// The first GPU whose name contains this, in any case; a name that none has lists all.
+    #[arg(long, value_name = "NAME", help_heading = "Method")]
+    pub(super) adapter: Option<String>,
+    /// Device memory that a frame flows through on a GPU: 64M, 1Gi [default: 256Mi].
+    #[arg(long, value_name = "BYTES", help_heading = "Method", value_parser = bytes, allow_hyphen_values = true)]
+    pub(super) gpu_memory: Option<u64>,
     /// How cells are put in order; auto and exact are right for any mesh.
     #[arg(long, help_heading = "Method", default_value_t, value_parser = one_of(SortMethod::ALL.map(|method| (method.name(), method))))]
     pub(super) sort: SortMethod,

@@ -1,0 +1,22 @@
+// What all shaders of a frame read; src/backends/gpu/layout.rs declares the same.
+
+struct Frame {
+    // Normalised device coordinates of a picture position: position · scale + offset.
+    ndc_scale: vec2<f32>,
+    ndc_offset: vec2<f32>,
+    // World length per scene unit of depth: |ray + x · ray_step_x + y · ray_step_y|.
+    ray: vec3<f32>,
+    is_perspective: u32,
+    ray_step_x: vec3<f32>,
+    piece_count: u32,
+    ray_step_y: vec3<f32>,
+    // Inverse depth of the far and of the near plane.
+    v_far: f32,
+    v_near: f32,
+    // Side of the opacity texture, and what length and extinction are multiplied by for its texels.
+    texels: u32,
+    texels_per_length: f32,
+    texels_per_extinction: f32,
+}
+
+@group(0) @binding(0) var<uniform> frame: Frame;

@@ -1,0 +1,39 @@
+// The transfer function of src/optics/pieces.rs: linear pieces over the stored value s.
+
+struct Piece {
+    // The smallest s of the piece, and its end, which is not in it.
+    begin: f32,
+    end: f32,
+    // Where extinction and colour are stated, for s = start.
+    start: f32,
+    extinction: f32,
+    color: vec3<f32>,
+    extinction_slope: f32,
+    color_slope: vec3<f32>,
+    is_transparent: u32,
+}
+
+@group(0) @binding(1) var<storage, read> pieces: array<Piece>;
+
+// The piece that holds s: the last that begins at or before it.
+fn piece_of(s: f32) -> u32 {
+    var low = 0u;
+    var high = frame.piece_count;
+    while high - low > 1u {
+        let middle = (low + high) / 2u;
+        if s >= pieces[middle].begin {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+fn extinction_at(k: u32, s: f32) -> f32 {
+    return max(pieces[k].extinction + (s - pieces[k].start) * pieces[k].extinction_slope, 0.0);
+}
+
+fn color_at(k: u32, s: f32) -> vec3<f32> {
+    return pieces[k].color + (s - pieces[k].start) * pieces[k].color_slope;
+}

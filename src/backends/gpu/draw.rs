@@ -1,0 +1,276 @@
+//! `GpuCompositor`: fans drawn slice by slice, and the picture made of what they add up to.
+//!
+//! In: a [`Frame`], model and integral. Out: the picture in memory, or in a caller's texture. The calling thread finds the draw
+//! order and fills slots of the ring; a thread of its own submits them, since a submission may block; bounded channels lie between.
+
+use std::time::Instant;
+
+use crossbeam_channel::{Receiver, bounded};
+
+use super::Gpu;
+use super::accumulate::{BYTES_PER_PIXEL, PICTURE_FORMAT, Targets};
+use super::pipelines::Pipelines;
+use super::readback::Readback;
+use super::staging::Ring;
+use super::timestamps::Timestamps;
+use crate::backends::draw_order::DrawOrder;
+use crate::backends::{Counts, Frame};
+use crate::error::{Error, Result};
+use crate::image::Image;
+use crate::optics::{Integral, Model};
+use crate::profile::Profile;
+use crate::stages::fans::Fan;
+
+/// Draws triangle fans on a GPU; keeps its buffers, and the last draw order, between frames.
+pub struct GpuCompositor {
+    gpu: Gpu,
+    order: DrawOrder,
+    memory_bytes: u64,
+    pipelines: Option<Pipelines>,
+    targets: Option<(Targets, Readback, Ring)>,
+    timestamps: Option<Timestamps>,
+}
+
+/// Bytes of the ring below which a slice is not worth its submission.
+const RING_BYTES_MIN: u64 = 1 << 20;
+
+impl GpuCompositor {
+    /// Device memory that is used unless another amount is named.
+    pub const MEMORY_BYTES: u64 = 256 << 20;
+
+    /// Draws on `gpu` with at most `memory_bytes` of device memory.
+    pub fn new(gpu: Gpu, memory_bytes: u64) -> Self {
+        let timestamps = Timestamps::new(&gpu);
+        Self { gpu, order: DrawOrder::default(), memory_bytes, pipelines: None, targets: None, timestamps }
+    }
+
+    /// The device it draws on.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// Draws one frame and reads it back.
+    ///
+    /// # Errors
+    /// [`Error::NoDevice`] where the device fails, [`Error::Memory`] where its memory budget is too small for the picture.
+    pub fn draw(
+        &mut self,
+        frame: &Frame,
+        (model, integral): (Model, Integral),
+        profile: &mut Profile,
+    ) -> Result<(Image, Counts)> {
+        let counts = self.accumulate(frame, (model, integral), profile)?;
+        let start = Instant::now();
+        let (Some(pipelines), Some((targets, readback, _))) = (&self.pipelines, &self.targets) else {
+            return Err(self.gpu.failed("has no picture"));
+        };
+        let view = targets.picture.create_view(&wgpu::TextureViewDescriptor::default());
+        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        pipelines.resolve(
+            &self.gpu,
+            PICTURE_FORMAT,
+            &targets.accumulated,
+            &view,
+            self.timestamps.as_mut(),
+            &mut encoder,
+        );
+        readback.copy(targets, &mut encoder);
+        self.submit_and_time(encoder, |_| readback.ask(), profile)?;
+        let image = readback.image(&self.gpu)?;
+        self.gpu.check()?;
+        profile.add("read_back", start.elapsed(), image.pixels.len() as u64 * 16);
+        Ok((image, counts))
+    }
+
+    /// Draws one frame into a texture of the size of the view, premultiplied and linear (absorption: not premultiplied).
+    ///
+    /// # Errors
+    /// As [`GpuCompositor::draw`], and [`Error::Option`] where the texture does not fit.
+    pub fn draw_to_texture(
+        &mut self,
+        frame: &Frame,
+        (model, integral): (Model, Integral),
+        texture: &wgpu::Texture,
+        profile: &mut Profile,
+    ) -> Result<Counts> {
+        let size = [texture.width(), texture.height()];
+        if size != frame.view.size_px || !texture.usage().contains(wgpu::TextureUsages::RENDER_ATTACHMENT) {
+            let [width, height] = frame.view.size_px;
+            let problem = format!("a texture of {size:?}; a render attachment of {width}x{height} pixels is needed");
+            return Err(Error::Option { option: "texture", problem });
+        }
+        let counts = self.accumulate(frame, (model, integral), profile)?;
+        let (Some(pipelines), Some((targets, ..))) = (&mut self.pipelines, &self.targets) else {
+            return Err(self.gpu.failed("has no picture"));
+        };
+        pipelines.prepare_resolve(&self.gpu, texture.format());
+        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let timestamps = self.timestamps.as_mut();
+        pipelines.resolve(&self.gpu, texture.format(), &targets.accumulated, &view, timestamps, &mut encoder);
+        self.submit_and_time(encoder, |_| {}, profile)?;
+        Ok(counts)
+    }
+
+    /// Submits the last commands of a frame, waits for them, and notes what the passes took.
+    fn submit_and_time(
+        &self,
+        mut encoder: wgpu::CommandEncoder,
+        ask: impl Fn(&Gpu),
+        profile: &mut Profile,
+    ) -> Result<()> {
+        if let Some(timestamps) = &self.timestamps {
+            timestamps.resolve(&mut encoder);
+        }
+        self.gpu.queue.submit([encoder.finish()]);
+        ask(&self.gpu);
+        if let Some(timestamps) = &self.timestamps {
+            timestamps.ask();
+        }
+        self.gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|_| self.gpu.failed("does not answer"))?;
+        self.gpu.check()?;
+        if let Some((draw, resolve)) = self.timestamps.as_ref().and_then(Timestamps::times) {
+            profile.add("gpu_draw", draw, 0);
+            profile.add("gpu_resolve", resolve, 0);
+        }
+        Ok(())
+    }
+
+    /// Blends all fans of a frame.
+    fn accumulate(
+        &mut self,
+        frame: &Frame,
+        (model, integral): (Model, Integral),
+        profile: &mut Profile,
+    ) -> Result<Counts> {
+        self.gpu.check()?;
+        let start = Instant::now();
+        self.prepare(frame, (model, integral))?;
+        profile.add("prepare", start.elapsed(), 0);
+        let mut counts = self.order.find(frame, !model.is_order_free(), profile);
+        let (Some(pipelines), Some((targets, _, ring))) = (&self.pipelines, &self.targets) else {
+            return Err(self.gpu.failed("has no picture"));
+        };
+        let (gpu, order, mut timestamps) = (&self.gpu, &self.order, self.timestamps.as_mut());
+        if let Some(timestamps) = &mut timestamps {
+            timestamps.begin();
+        }
+        let input = order.fan_input(frame);
+        let (filled, to_submit) = bounded(1);
+        let drawn = std::thread::scope(|scope| {
+            let submitter =
+                scope.spawn(move || Submitter { gpu, pipelines, targets, ring, timestamps }.run(&to_submit));
+            let mut is_whole = true;
+            for slice in order.slices(&input, ring.capacity) {
+                let start = Instant::now();
+                let Some(slot) = ring.next() else {
+                    is_whole = false;
+                    break;
+                };
+                profile.add("wait_for_gpu", start.elapsed(), 0);
+                let start = Instant::now();
+                let fans = slice.fans();
+                counts.add_classes(slice.write(&input, ring.memory(slot, fans)));
+                profile.add("fans", start.elapsed(), (fans * size_of::<Fan>()) as u64);
+                if filled.send((slot, fans)).is_err() {
+                    break;
+                }
+            }
+            drop(filled);
+            let drawn = submitter.join().unwrap_or_else(|_| Err(gpu.failed("could not be fed")));
+            if is_whole { drawn } else { Err(gpu.failed("gave no memory to write to")) }
+        });
+        profile.add("submit", drawn?, 0);
+        gpu.check()?;
+        Ok(counts)
+    }
+
+    /// Makes what the frame needs and the last one did not have.
+    fn prepare(&mut self, frame: &Frame, (model, integral): (Model, Integral)) -> Result<()> {
+        let gpu = &self.gpu;
+        if self.pipelines.as_ref().is_none_or(|pipelines| !pipelines.are_for(model, integral)) {
+            self.pipelines = Some(Pipelines::new(gpu, model, integral));
+        }
+        let Some(pipelines) = &mut self.pipelines else { return Ok(()) };
+        pipelines.write_frame(gpu, frame)?;
+        pipelines.prepare_resolve(gpu, PICTURE_FORMAT);
+        let size_px = frame.view.size_px;
+        if self.targets.as_ref().is_none_or(|(targets, ..)| targets.size_px != size_px) {
+            let [width, height] = size_px;
+            let limit = gpu.device.limits().max_texture_dimension_2d;
+            if width.max(height) > limit {
+                let problem = format!("{width}x{height}; {} draws at most {limit} pixels a side", gpu.adapter());
+                return Err(Error::Option { option: "--size", problem });
+            }
+            let picture = u64::from(width) * u64::from(height) * BYTES_PER_PIXEL;
+            let left = self.memory_bytes.saturating_sub(picture);
+            if left < RING_BYTES_MIN {
+                let needed = picture + RING_BYTES_MIN;
+                let problem = format!("{} bytes; this picture takes {needed}", self.memory_bytes);
+                return Err(Error::Option { option: "--gpu-memory", problem });
+            }
+            self.targets = None;
+            let ring = Ring::new(gpu, &pipelines.fans_layout, left)?;
+            self.targets = Some((Targets::new(gpu, size_px), Readback::new(gpu, size_px), ring));
+        }
+        gpu.check()
+    }
+}
+
+/// Submits slots in the order in which they come.
+struct Submitter<'a> {
+    gpu: &'a Gpu,
+    pipelines: &'a Pipelines,
+    targets: &'a Targets,
+    ring: &'a Ring,
+    timestamps: Option<&'a mut Timestamps>,
+}
+
+impl Submitter<'_> {
+    /// Draws all slots; how long submissions took.
+    fn run(mut self, filled: &Receiver<(usize, usize)>) -> Result<std::time::Duration> {
+        let result = self.draw_all(filled);
+        if result.is_err() {
+            self.ring.give_up();
+        }
+        result
+    }
+
+    fn draw_all(&mut self, filled: &Receiver<(usize, usize)>) -> Result<std::time::Duration> {
+        let mut submitting = std::time::Duration::ZERO;
+        let mut in_flight = std::collections::VecDeque::new();
+        let mut is_first = true;
+        for (slot, fans) in filled {
+            let start = Instant::now();
+            let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            self.ring.hand_over(slot, fans, &mut encoder);
+            let timestamps = self.timestamps.as_deref_mut().and_then(Timestamps::of_pass);
+            self.pipelines.draw(
+                self.ring.binding(slot),
+                fans,
+                is_first,
+                &self.targets.accumulated,
+                timestamps,
+                &mut encoder,
+            );
+            is_first = false;
+            in_flight.push_back(self.gpu.queue.submit([encoder.finish()]));
+            self.ring.free_when_drawn(slot);
+            submitting += start.elapsed();
+            // A slot becomes free when somebody polls. The last free one was just drawn: wait for the first.
+            let wait = if in_flight.len() >= Ring::SLOTS {
+                wgpu::PollType::Wait { submission_index: in_flight.pop_front(), timeout: None }
+            } else {
+                wgpu::PollType::Poll
+            };
+            self.gpu.device.poll(wait).map_err(|_| self.gpu.failed("does not answer"))?;
+            self.gpu.check()?;
+        }
+        if is_first {
+            let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            self.pipelines.clear(&self.targets.accumulated, &mut encoder);
+            self.gpu.queue.submit([encoder.finish()]);
+        }
+        Ok(submitting)
+    }
+}

@@ -1,0 +1,92 @@
+//! What shaders read beside the fans, declared once in Rust; a test holds every offset against the shaders' own.
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::optics::Pieces;
+use crate::optics::texture::OpacityTexture;
+use crate::stages::View;
+
+/// `Frame` of `shaders/frame.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(super) struct FrameUniform {
+    pub(super) ndc_scale: [f32; 2],
+    pub(super) ndc_offset: [f32; 2],
+    pub(super) ray: [f32; 3],
+    pub(super) is_perspective: u32,
+    pub(super) ray_step_x: [f32; 3],
+    pub(super) piece_count: u32,
+    pub(super) ray_step_y: [f32; 3],
+    pub(super) v_far: f32,
+    pub(super) v_near: f32,
+    pub(super) texels: u32,
+    pub(super) texels_per_length: f32,
+    pub(super) texels_per_extinction: f32,
+}
+
+/// `Piece` of `shaders/pieces.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(super) struct PieceRecord {
+    pub(super) begin: f32,
+    pub(super) end: f32,
+    pub(super) start: f32,
+    pub(super) extinction: f32,
+    pub(super) color: [f32; 3],
+    pub(super) extinction_slope: f32,
+    pub(super) color_slope: [f32; 3],
+    pub(super) is_transparent: u32,
+}
+
+impl FrameUniform {
+    pub(super) fn new(view: &View, pieces: &Pieces, texture: Option<&OpacityTexture>) -> Self {
+        let [width, height] = view.size_px.map(|side| side as f32);
+        let world = |direction: glam::DVec3| (direction * view.world_per_scene).as_vec3().to_array();
+        let (ray, step_x, step_y) = if view.is_perspective {
+            (view.forward + view.corner, view.step_x, view.step_y)
+        } else {
+            (view.forward, glam::DVec3::ZERO, glam::DVec3::ZERO)
+        };
+        let (v_far, v_near) = view.inverse_depth_range();
+        let [texels_per_length, texels_per_extinction] =
+            texture.map_or([0.0; 2], OpacityTexture::texel_per_length_and_extinction);
+        Self {
+            // Pixel centres are at whole numbers, rows run down.
+            ndc_scale: [2.0 / width, -2.0 / height],
+            ndc_offset: [1.0 / width - 1.0, 1.0 - 1.0 / height],
+            ray: world(ray),
+            is_perspective: view.is_perspective.into(),
+            ray_step_x: world(step_x),
+            piece_count: pieces.len() as u32,
+            ray_step_y: world(step_y),
+            v_far: finite(v_far),
+            v_near: finite(v_near),
+            texels: texture.map_or(0, |texture| texture.size() as u32),
+            texels_per_length,
+            texels_per_extinction,
+        }
+    }
+}
+
+/// WGSL need not know infinity.
+fn finite(value: f32) -> f32 {
+    value.clamp(f32::MIN, f32::MAX)
+}
+
+/// The pieces of a transfer function.
+pub(super) fn piece_records(pieces: &Pieces) -> Vec<PieceRecord> {
+    let record = |k: usize| {
+        let piece = pieces.piece(k);
+        PieceRecord {
+            begin: finite(pieces.start_of(k)),
+            end: finite(pieces.end_of(k)),
+            start: piece.start,
+            extinction: piece.extinction,
+            color: piece.color,
+            extinction_slope: piece.extinction_slope,
+            color_slope: piece.color_slope,
+            is_transparent: piece.is_transparent().into(),
+        }
+    };
+    (0..pieces.len()).map(record).collect()
+}

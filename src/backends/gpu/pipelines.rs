@@ -1,0 +1,277 @@
+//! `Pipelines`: the state in which fans are drawn and pictures resolved, for one model, and what all passes of a frame read.
+
+use wgpu::{BufferUsages, ShaderStages, TextureFormat};
+
+use super::Gpu;
+use super::accumulate::accumulated_format;
+use super::layout::{FrameUniform, piece_records};
+use super::shaders::{self, Blend, ModelShaders};
+use super::timestamps::Timestamps;
+use crate::backends::Frame;
+use crate::error::Result;
+use crate::optics::{Integral, Model, Textured};
+use crate::stages::fans::Fan;
+
+/// Fans that one draw takes: their vertices have 16-bit numbers, relative to the draw's first.
+const FANS_PER_DRAW: usize = 1 << 13;
+
+/// Everything but textures and fans.
+pub(super) struct Pipelines {
+    of: (Model, Integral),
+    shaders: ModelShaders,
+    draw: wgpu::RenderPipeline,
+    /// Indices of [`FANS_PER_DRAW`] fans.
+    indices: wgpu::Buffer,
+    frame: wgpu::Buffer,
+    frame_layout: wgpu::BindGroupLayout,
+    frame_binding: Option<wgpu::BindGroup>,
+    pub(super) fans_layout: wgpu::BindGroupLayout,
+    accumulated_layout: wgpu::BindGroupLayout,
+    resolve_module: wgpu::ShaderModule,
+    resolve: Vec<(TextureFormat, wgpu::RenderPipeline)>,
+}
+
+fn buffer_entry(binding: u32, ty: wgpu::BufferBindingType) -> wgpu::BindGroupLayoutEntry {
+    let ty = wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+    wgpu::BindGroupLayoutEntry { binding, visibility: ShaderStages::VERTEX_FRAGMENT, ty, count: None }
+}
+
+fn entry(binding: u32, buffer: &wgpu::Buffer) -> wgpu::BindGroupEntry<'_> {
+    wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() }
+}
+
+const STORAGE: wgpu::BufferBindingType = wgpu::BufferBindingType::Storage { read_only: true };
+
+impl Pipelines {
+    pub(super) fn new(gpu: &Gpu, model: Model, integral: Integral) -> Self {
+        let device = &gpu.device;
+        let shaders = shaders::of(model, integral);
+        let layout = |label, entries: &[wgpu::BindGroupLayoutEntry]| {
+            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
+        };
+        let uniform = wgpu::BufferBindingType::Uniform;
+        let frame_layout =
+            layout("frame", &[buffer_entry(0, uniform), buffer_entry(1, STORAGE), buffer_entry(2, STORAGE)]);
+        let fans_layout = layout("fans", &[buffer_entry(0, STORAGE)]);
+        let accumulated = wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: false },
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        };
+        let accumulated_layout = layout(
+            "accumulated",
+            &[wgpu::BindGroupLayoutEntry {
+                binding: 0,
+                visibility: ShaderStages::FRAGMENT,
+                ty: accumulated,
+                count: None,
+            }],
+        );
+        let module = shaders::module(device, "fans", shaders.draw_text());
+        let draw = pipeline(
+            gpu,
+            &[&frame_layout, &fans_layout],
+            (&module, "vertex", "fragment"),
+            (accumulated_format(gpu), Some(blend_state(shaders.blend))),
+        );
+        let frame = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("frame"),
+            size: size_of::<FrameUniform>() as u64,
+            usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        Self {
+            of: (model, integral),
+            shaders,
+            draw,
+            indices: buffer_of(gpu, "indices", BufferUsages::INDEX, bytemuck::cast_slice(&indices())),
+            frame,
+            frame_layout,
+            frame_binding: None,
+            fans_layout,
+            accumulated_layout,
+            resolve_module: shaders::module(device, "resolve", shaders::resolve_text()),
+            resolve: Vec::new(),
+        }
+    }
+
+    pub(super) fn are_for(&self, model: Model, integral: Integral) -> bool {
+        self.of == (model, integral)
+    }
+
+    /// Writes what all passes of the frame read.
+    pub(super) fn write_frame(&mut self, gpu: &Gpu, frame: &Frame) -> Result<()> {
+        let textured = match self.of {
+            (Model::EmissionAbsorption, Integral::Texture) => {
+                Some(Textured::new(frame.pieces, frame.dataset.diagonal_world())?)
+            }
+            _ => None,
+        };
+        let texture = textured.as_ref().map(Textured::texture);
+        let uniform = FrameUniform::new(frame.view, frame.pieces, texture);
+        gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
+        let pieces = piece_records(frame.pieces);
+        let pieces = buffer_of(gpu, "pieces", BufferUsages::STORAGE, bytemuck::cast_slice(&pieces));
+        // A binding is never empty.
+        let texels = texture.map_or(&[0.0][..], |texture| texture.texels());
+        let texels = buffer_of(gpu, "opacity texture", BufferUsages::STORAGE, bytemuck::cast_slice(texels));
+        self.frame_binding = Some(gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("frame"),
+            layout: &self.frame_layout,
+            entries: &[entry(0, &self.frame), entry(1, &pieces), entry(2, &texels)],
+        }));
+        Ok(())
+    }
+
+    /// Draws the first `fans` fans of a slot.
+    pub(super) fn draw(
+        &self,
+        slot: &wgpu::BindGroup,
+        fans: usize,
+        is_first: bool,
+        accumulated: &wgpu::TextureView,
+        timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
+        encoder: &mut wgpu::CommandEncoder,
+    ) {
+        let load = if is_first { self.clear_color() } else { wgpu::LoadOp::Load };
+        let mut pass = begin(encoder, "fans", accumulated, load, timestamps);
+        pass.set_pipeline(&self.draw);
+        pass.set_bind_group(0, self.frame_binding.as_ref(), &[]);
+        pass.set_bind_group(1, slot, &[]);
+        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
+        for first in (0..fans).step_by(FANS_PER_DRAW) {
+            let count = FANS_PER_DRAW.min(fans - first);
+            pass.draw_indexed(0..(count * INDICES_PER_FAN) as u32, (first * VERTICES_PER_FAN) as i32, 0..1);
+        }
+    }
+
+    fn clear_color(&self) -> wgpu::LoadOp<wgpu::Color> {
+        let [r, g, b, a] = self.shaders.clear;
+        wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a })
+    }
+
+    /// A picture without any fan.
+    pub(super) fn clear(&self, accumulated: &wgpu::TextureView, encoder: &mut wgpu::CommandEncoder) {
+        drop(begin(encoder, "no fans", accumulated, self.clear_color(), None));
+    }
+
+    /// Makes sure that pictures of `format` can be resolved.
+    pub(super) fn prepare_resolve(&mut self, gpu: &Gpu, format: TextureFormat) {
+        if self.resolve.iter().any(|(known, _)| *known == format) {
+            return;
+        }
+        let layouts = [&self.frame_layout, &self.accumulated_layout];
+        let shader = (&self.resolve_module, "whole_picture", self.shaders.resolve);
+        self.resolve.push((format, pipeline(gpu, &layouts, shader, (format, None))));
+    }
+
+    /// Makes the picture of what was accumulated.
+    pub(super) fn resolve(
+        &self,
+        gpu: &Gpu,
+        format: TextureFormat,
+        accumulated: &wgpu::TextureView,
+        picture: &wgpu::TextureView,
+        timestamps: Option<&mut Timestamps>,
+        encoder: &mut wgpu::CommandEncoder,
+    ) {
+        let Some((_, pipeline)) = self.resolve.iter().find(|(known, _)| *known == format) else { return };
+        let binding = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("accumulated"),
+            layout: &self.accumulated_layout,
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(accumulated) }],
+        });
+        let load = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
+        let mut pass = begin(encoder, "resolve", picture, load, timestamps.and_then(Timestamps::of_pass));
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, self.frame_binding.as_ref(), &[]);
+        pass.set_bind_group(1, &binding, &[]);
+        pass.draw(0..3, 0..1);
+    }
+}
+
+/// Vertices of a fan: the thick one and the ring.
+const VERTICES_PER_FAN: usize = 5;
+/// Indices of a fan.
+const INDICES_PER_FAN: usize = 3 * Fan::TRIANGLES.len();
+
+/// The triangles of [`FANS_PER_DRAW`] fans, one after the other.
+fn indices() -> Vec<u16> {
+    let of_fan =
+        |fan: usize| Fan::TRIANGLES.into_iter().flatten().map(move |vertex| (fan * VERTICES_PER_FAN) as u16 + vertex);
+    (0..FANS_PER_DRAW).flat_map(of_fan).collect()
+}
+
+fn buffer_of(gpu: &Gpu, label: &str, usage: BufferUsages, contents: &[u8]) -> wgpu::Buffer {
+    use wgpu::util::DeviceExt;
+    gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
+}
+
+fn begin<'e>(
+    encoder: &'e mut wgpu::CommandEncoder,
+    label: &str,
+    view: &wgpu::TextureView,
+    load: wgpu::LoadOp<wgpu::Color>,
+    timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
+) -> wgpu::RenderPass<'e> {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(label),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
+        })],
+        depth_stencil_attachment: None,
+        timestamp_writes,
+        occlusion_query_set: None,
+        multiview_mask: None,
+    })
+}
+
+fn blend_state(blend: Blend) -> wgpu::BlendState {
+    use wgpu::{BlendComponent, BlendFactor, BlendOperation};
+    let (operation, dst_factor) = match blend {
+        Blend::Over => (BlendOperation::Add, BlendFactor::OneMinusSrcAlpha),
+        Blend::Add => (BlendOperation::Add, BlendFactor::One),
+        Blend::Max => (BlendOperation::Max, BlendFactor::One),
+    };
+    let component = BlendComponent { src_factor: BlendFactor::One, dst_factor, operation };
+    wgpu::BlendState { color: component, alpha: component }
+}
+
+/// A pipeline of `(module, vertex, fragment)` that draws triangles into `(format, blend)`.
+fn pipeline(
+    gpu: &Gpu,
+    layouts: &[&wgpu::BindGroupLayout],
+    (module, vertex, fragment): (&wgpu::ShaderModule, &str, &str),
+    (format, blend): (TextureFormat, Option<wgpu::BlendState>),
+) -> wgpu::RenderPipeline {
+    let layouts: Vec<_> = layouts.iter().map(|&layout| Some(layout)).collect();
+    let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(fragment),
+        bind_group_layouts: &layouts,
+        immediate_size: 0,
+    });
+    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(fragment),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module,
+            entry_point: Some(vertex),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some(fragment),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[Some(wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL })],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

@@ -1,0 +1,58 @@
+//! `Readback`: the finished picture, from a texture to memory.
+
+use rayon::prelude::*;
+
+use super::Gpu;
+use super::accumulate::Targets;
+use crate::error::Result;
+use crate::image::Image;
+
+/// Bytes of a pixel.
+const PIXEL: usize = 16;
+
+/// A buffer that pictures of one size are copied into.
+pub(super) struct Readback {
+    buffer: wgpu::Buffer,
+    size_px: [u32; 2],
+    /// Bytes from row to row.
+    row: u32,
+}
+
+impl Readback {
+    pub(super) fn new(gpu: &Gpu, [width, height]: [u32; 2]) -> Self {
+        let row = (width * PIXEL as u32).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("picture, read back"),
+            size: u64::from(row) * u64::from(height),
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        Self { buffer, size_px: [width, height], row }
+    }
+
+    /// Copies the picture, once `encoder` has run.
+    pub(super) fn copy(&self, targets: &Targets, encoder: &mut wgpu::CommandEncoder) {
+        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(self.row), rows_per_image: None };
+        let buffer = wgpu::TexelCopyBufferInfo { buffer: &self.buffer, layout };
+        encoder.copy_texture_to_buffer(targets.picture.as_image_copy(), buffer, targets.picture.size());
+    }
+
+    /// Asks for the picture; it is there after the next wait for the device.
+    pub(super) fn ask(&self) {
+        self.buffer.map_async(wgpu::MapMode::Read, .., |_| {});
+    }
+
+    /// The picture.
+    pub(super) fn image(&self, gpu: &Gpu) -> Result<Image> {
+        let [width, height] = self.size_px;
+        let view = self.buffer.get_mapped_range(..).map_err(|_| gpu.failed("gave no picture back"))?;
+        let mut image = Image::filled(width, height, [0.0; 4]);
+        let rows = image.pixels.par_chunks_mut(width as usize).zip(view.par_chunks(self.row as usize));
+        rows.for_each(|(pixels, bytes)| {
+            bytemuck::cast_slice_mut(pixels).copy_from_slice(&bytes[..width as usize * PIXEL]);
+        });
+        drop(view);
+        self.buffer.unmap();
+        Ok(image)
+    }
+}

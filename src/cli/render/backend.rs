@@ -1,0 +1,146 @@
+//! What draws: chosen once, said in one line, and left for the processor where `auto` chose a GPU that fails.
+
+use cellfan::{Camera, RenderOptions, Rendered, Renderer, Scene};
+#[cfg(feature = "gpu")]
+use cellfan::{
+    CpuMethod, Error, SortMethod,
+    backends::gpu::{Gpu, GpuCompositor, adapters},
+};
+
+use super::arguments::{Arguments, Backend as Wanted};
+
+/// What draws.
+pub(super) struct Backend {
+    #[cfg(feature = "gpu")]
+    gpu: Option<Gpu>,
+    #[cfg(feature = "gpu")]
+    gpu_memory_bytes: u64,
+    #[cfg(feature = "gpu")]
+    may_fall_back: bool,
+}
+
+#[cfg(feature = "gpu")]
+impl Backend {
+    /// Finds a device, before anything is read.
+    pub(super) fn choose(arguments: &Arguments) -> cellfan::Result<Self> {
+        let gpu_memory_bytes = arguments.gpu_memory.unwrap_or(GpuCompositor::MEMORY_BYTES);
+        let may_fall_back = arguments.backend == Wanted::Auto;
+        let gpu = match arguments.backend {
+            Wanted::Cpu => None,
+            Wanted::Gpu => {
+                if let Some(problem) = needs_processor(arguments) {
+                    return Err(Error::Option { option: "--backend gpu", problem: problem.to_owned() });
+                }
+                Some(Gpu::open(arguments.adapter.as_deref())?)
+            }
+            Wanted::Auto => find_gpu(arguments),
+        };
+        if let Some(gpu) = &gpu {
+            let depth =
+                if gpu.blends_in_32_bits() { "" } else { ", which blends in 16 bits only: pictures are less exact" };
+            tracing::info!("drawing on {}{depth}", gpu.adapter());
+        }
+        Ok(Self { gpu, gpu_memory_bytes, may_fall_back })
+    }
+
+    pub(super) fn renderer(&self, options: RenderOptions) -> Renderer {
+        match &self.gpu {
+            Some(gpu) => Renderer::on_gpu(options, gpu.clone(), self.gpu_memory_bytes),
+            None => Renderer::new(options),
+        }
+    }
+
+    /// Draws a frame; on the processor from then on where the GPU fails and may.
+    pub(super) fn render(
+        &mut self,
+        renderer: &mut Renderer,
+        options: RenderOptions,
+        scene: &Scene,
+        camera: &Camera,
+    ) -> cellfan::Result<Rendered> {
+        match renderer.render(scene, camera) {
+            Err(error) if error.is_device() && self.may_fall_back && self.gpu.is_some() => {
+                tracing::warn!("{error}; drawing on the CPU instead");
+                self.gpu = None;
+                *renderer = Renderer::new(options);
+                renderer.render(scene, camera)
+            }
+            result => result,
+        }
+    }
+
+    pub(super) fn name(&self) -> &'static str {
+        if self.gpu.is_some() { "gpu" } else { "cpu" }
+    }
+
+    pub(super) fn adapter(&self) -> Option<String> {
+        self.gpu.as_ref().map(|gpu| gpu.adapter().to_string())
+    }
+}
+
+/// What only the processor can do.
+#[cfg(feature = "gpu")]
+fn needs_processor(arguments: &Arguments) -> Option<&'static str> {
+    if arguments.sort == SortMethod::Exact {
+        return Some("--sort exact checks every fragment, which a GPU does not; leave one of both out");
+    }
+    if arguments.memory.is_some() {
+        return Some("--memory is kept on the CPU only; on a GPU say --gpu-memory");
+    }
+    (arguments.cpu_method == CpuMethod::Fans).then_some("--cpu-method is about the CPU; leave one of both out")
+}
+
+/// A real GPU, or why there is none.
+#[cfg(feature = "gpu")]
+fn find_gpu(arguments: &Arguments) -> Option<Gpu> {
+    if let Some(reason) = needs_processor(arguments) {
+        tracing::debug!("drawing on the CPU: {reason}");
+        return None;
+    }
+    let found = adapters();
+    let gpu = found.iter().find(|adapter| adapter.is_gpu || arguments.adapter.is_some());
+    let reason = match (gpu, found.first()) {
+        (Some(_), _) => match Gpu::open(arguments.adapter.as_deref()) {
+            Ok(gpu) => return Some(gpu),
+            Err(error) => error.to_string(),
+        },
+        (None, Some(first)) => format!("{first} is no real GPU (--backend gpu draws on it)"),
+        (None, None) => "no driver for a GPU was found".to_owned(),
+    };
+    tracing::info!("drawing on the CPU: {reason}");
+    None
+}
+
+#[cfg(not(feature = "gpu"))]
+impl Backend {
+    /// The processor: this program was built without GPUs.
+    pub(super) fn choose(arguments: &Arguments) -> cellfan::Result<Self> {
+        if arguments.backend == Wanted::Gpu {
+            let problem = "this program was built without GPUs; build it with --features gpu, or say --backend cpu";
+            return Err(cellfan::Error::NoDevice { problem: problem.to_owned() });
+        }
+        Ok(Self {})
+    }
+
+    pub(super) fn renderer(&self, options: RenderOptions) -> Renderer {
+        Renderer::new(options)
+    }
+
+    pub(super) fn render(
+        &mut self,
+        renderer: &mut Renderer,
+        _: RenderOptions,
+        scene: &Scene,
+        camera: &Camera,
+    ) -> cellfan::Result<Rendered> {
+        renderer.render(scene, camera)
+    }
+
+    pub(super) fn name(&self) -> &'static str {
+        "cpu"
+    }
+
+    pub(super) fn adapter(&self) -> Option<String> {
+        None
+    }
+}

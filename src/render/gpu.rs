@@ -1,0 +1,49 @@
+//! The renderer on a GPU: into memory, or into a caller's texture.
+
+use super::{RenderOptions, Rendered, Renderer, Scene};
+use crate::backends::gpu::{Gpu, GpuCompositor};
+use crate::camera::Camera;
+use crate::error::{Error, Result};
+use crate::image::Image;
+
+impl Renderer {
+    /// A renderer that draws on `gpu`, in at most `memory_bytes` of its memory
+    /// ([`GpuCompositor::MEMORY_BYTES`] is a good amount); a mesh of any size flows through them.
+    ///
+    /// Cells are drawn as triangle fans in the order of their keys, which is not verified: `cpu_method` and `stop_transmittance`
+    /// have no effect.
+    ///
+    /// ```no_run
+    /// use cellfan::{RenderOptions, Renderer, backends::gpu::{Gpu, GpuCompositor}};
+    /// let gpu = Gpu::open(None)?;
+    /// println!("drawing on {}", gpu.adapter());
+    /// let renderer = Renderer::on_gpu(RenderOptions::default(), gpu, GpuCompositor::MEMORY_BYTES);
+    /// # Ok::<(), cellfan::Error>(())
+    /// ```
+    pub fn on_gpu(options: RenderOptions, gpu: Gpu, memory_bytes: u64) -> Self {
+        Self { gpu: Some(GpuCompositor::new(gpu, memory_bytes)), ..Self::new(options) }
+    }
+
+    /// The GPU that draws; none where the processor does.
+    pub fn gpu(&self) -> Option<&Gpu> {
+        self.gpu.as_ref().map(GpuCompositor::gpu)
+    }
+
+    /// Draws one frame into `texture`, a render attachment of the camera's size on the renderer's own device
+    /// ([`Gpu::from_device`]), and waits for it. Pixels are those of [`Renderer::render`], as linear values; the image that comes
+    /// back is empty.
+    ///
+    /// # Errors
+    /// Those of [`Renderer::render`]; [`Error::Option`] where the renderer is on no GPU or the texture does not fit.
+    pub fn render_to_texture(&mut self, scene: &Scene, camera: &Camera, texture: &wgpu::Texture) -> Result<Rendered> {
+        self.run(scene, camera, |renderer, frame, profile| {
+            let how = (renderer.options.model, renderer.options.integral);
+            let Some(gpu) = &mut renderer.gpu else {
+                let problem = "this renderer draws on the processor; make it with Renderer::on_gpu".to_owned();
+                return Err(Error::Option { option: "texture", problem });
+            };
+            let counts = gpu.draw_to_texture(frame, how, texture, profile)?;
+            Ok((Image::filled(0, 0, [0.0; 4]), counts))
+        })
+    }
+}
