@@ -15,7 +15,7 @@ use cellfan::optics::integral::segment_weights_average;
 use cellfan::optics::{CullTable, LANES, Pieces, SegmentWeights, segment_weights, segment_weights_thin};
 use cellfan::stages::classify::classify;
 use cellfan::stages::cull::{Culled, cull};
-use cellfan::stages::fans::{self, Fan, FanInput};
+use cellfan::stages::fans::{self, Fan, FanInput, NearCells};
 use cellfan::stages::footprints::planes::{Batch, Corners, TileRays};
 use cellfan::stages::footprints::{PixelBox, PixelBoxes};
 use cellfan::stages::project::{project, scene_vertices};
@@ -196,7 +196,7 @@ fn bench_sort(criterion: &mut Criterion) {
 
 fn bench_fans(criterion: &mut Criterion) {
     let seen = Seen::new(Kind::Delaunay);
-    let input = FanInput::new(&seen.view, &seen.mesh.dataset, &seen.vertices, &seen.screen, None);
+    let input = FanInput::new(&seen.view, &seen.mesh.dataset, &seen.vertices, &seen.screen, None, NearCells::Planes);
     let cells: Vec<u32> = (0..seen.cells() as u32).collect();
     let mut group = criterion.benchmark_group("stage/fans");
     let mut memory = vec![Fan::default(); fans::count(&input, &cells)];

@@ -1,16 +1,10 @@
 // From fans (src/stages/fans.rs) to segments of rays.
 
-struct RingVertex {
-    position_px: vec2<f32>,
-    vq: vec2<f32>,
-}
-
+// A Fan, or a PlaneFan (src/stages/fans/planes.rs) in its room, as words:
+//   Fan       thick x y, s min max | front v q, back v q | four times ring x y v q
+//   PlaneFan  box columns rows, s max min | v min max, constant, fronts | four times plane c x y, varying c x y 0
 struct Fan {
-    thick_px: vec2<f32>,
-    s_range: vec2<f32>,
-    front: vec2<f32>,
-    back: vec2<f32>,
-    ring: array<RingVertex, 4>,
+    words: array<vec4<u32>, 6>,
 }
 
 @group(1) @binding(0) var<storage, read> fans: array<Fan>;
@@ -19,30 +13,50 @@ struct Fragment {
     @builtin(position) position: vec4<f32>,
     // (v, q) where the ray enters and where it leaves: affine on the picture.
     @location(0) @interpolate(linear) enter_leave: vec4<f32>,
+    // Smallest and largest value of the cell; planes have them the other way round.
     @location(1) @interpolate(flat) s_range: vec2<f32>,
     // The pieces of the transfer function that the cell touches, both ends included.
     @location(2) @interpolate(flat) span: vec2<u32>,
+    @location(3) @interpolate(flat) fan: u32,
 }
 
-// Five vertices a fan: the thick one, then the ring.
+fn floats(fan: u32, k: u32) -> vec4<f32> {
+    return bitcast<vec4<f32>>(fans[fan].words[k]);
+}
+
+// First column and row of a box of pixels, and those after the last.
+fn box_of(fan: u32) -> vec4<f32> {
+    let columns_rows = fans[fan].words[0].xy;
+    return vec4<f32>(vec4<u32>(columns_rows & vec2<u32>(0xffffu), columns_rows >> vec2<u32>(16u)));
+}
+
+// Five vertices a fan: the thick one, then the ring; of a box its middle, then its corners.
 @vertex
 fn vertex(@builtin(vertex_index) index: u32) -> Fragment {
     let fan = index / 5u;
     let corner = index % 5u;
-    var position_px = fans[fan].thick_px;
-    var enter = fans[fan].front;
-    var leave = fans[fan].back;
-    if corner > 0u {
-        position_px = fans[fan].ring[corner - 1u].position_px;
-        enter = fans[fan].ring[corner - 1u].vq;
-        leave = enter;
+    let head = floats(fan, 0u);
+    var position_px = head.xy;
+    var enter_leave = floats(fan, 1u);
+    if head.z > head.w {
+        let pixels = box_of(fan) - 0.5;
+        let right = corner == 2u || corner == 3u;
+        let below = corner == 3u || corner == 4u;
+        position_px = vec2<f32>(select(pixels.x, pixels.z, right), select(pixels.y, pixels.w, below));
+        if corner == 0u {
+            position_px = 0.5 * (pixels.xy + pixels.zw);
+        }
+    } else if corner > 0u {
+        let ring = floats(fan, corner + 1u);
+        position_px = ring.xy;
+        enter_leave = ring.zwzw;
     }
-    let s_range = fans[fan].s_range;
     var out: Fragment;
     out.position = vec4<f32>(position_px * frame.ndc_scale + frame.ndc_offset, 0.0, 1.0);
-    out.enter_leave = vec4<f32>(enter, leave);
-    out.s_range = s_range;
-    out.span = vec2<u32>(piece_of(s_range.x), piece_of(s_range.y));
+    out.enter_leave = enter_leave;
+    out.s_range = head.zw;
+    out.span = vec2<u32>(piece_of(min(head.z, head.w)), piece_of(max(head.z, head.w)));
+    out.fan = fan;
     return out;
 }
 
@@ -53,8 +67,16 @@ struct Segment {
     length_world: f32,
 }
 
+// World length per scene unit of depth at a pixel.
+fn length_per_depth(pixel: vec2<f32>) -> f32 {
+    return length(frame.ray + pixel.x * frame.ray_step_x + pixel.y * frame.ray_step_y);
+}
+
 fn segment(in: Fragment) -> Segment {
     let pixel = in.position.xy - 0.5;
+    if in.s_range.x > in.s_range.y {
+        return segment_of_planes(in.fan, pixel);
+    }
     let v0 = in.enter_leave.x;
     let v1 = in.enter_leave.z;
     let clipped0 = clamp(v0, frame.v_far, frame.v_near);
@@ -75,10 +97,44 @@ fn segment(in: Fragment) -> Segment {
     }
     let value0 = select(s0 + (s1 - s0) * cut0, s0, clipped0 == v0);
     let value1 = select(s0 + (s1 - s0) * cut1, s1, clipped1 == v1);
-    let length_per_depth = length(frame.ray + pixel.x * frame.ray_step_x + pixel.y * frame.ray_step_y);
     return Segment(
         clamp(value0, in.s_range.x, in.s_range.y),
         clamp(value1, in.s_range.x, in.s_range.y),
-        depth * length_per_depth,
+        depth * length_per_depth(pixel),
     );
+}
+
+// Entry is the farthest front face's plane, exit the nearest back face's, as in src/stages/footprints.
+fn segment_of_planes(fan: u32, pixel: vec2<f32>) -> Segment {
+    let at = pixel - box_of(fan).xy;
+    let head = floats(fan, 0u);
+    let ranges = floats(fan, 1u);
+    let fronts = fans[fan].words[1].w;
+    var enter = ranges.y;
+    var leave = ranges.x;
+    var scalar: array<f32, 4>;
+    for (var k = 0u; k < 4u; k++) {
+        let plane = floats(fan, k + 2u);
+        let v = plane.x + plane.y * at.x + plane.z * at.y;
+        if k < fronts {
+            enter = min(enter, v);
+        } else {
+            leave = max(leave, v);
+        }
+        scalar[k] = plane.w;
+    }
+    let depth = enter - leave;
+    if !(depth > 0.0) {
+        return Segment(head.w, head.w, 0.0);
+    }
+    let on_picture = scalar[0] + scalar[1] * at.x + scalar[2] * at.y;
+    let world = length_per_depth(pixel);
+    if frame.is_perspective != 0u {
+        let s0 = clamp(ranges.z + on_picture / enter, head.w, head.z);
+        let s1 = clamp(ranges.z + on_picture / leave, head.w, head.z);
+        return Segment(s0, s1, depth / (enter * leave) * world);
+    }
+    let s0 = clamp(on_picture - ranges.z * enter, head.w, head.z);
+    let s1 = clamp(on_picture - ranges.z * leave, head.w, head.z);
+    return Segment(s0, s1, depth * world);
 }

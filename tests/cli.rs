@@ -5,6 +5,9 @@ mod common;
 mod container;
 #[path = "cli/errors.rs"]
 mod errors;
+#[cfg(feature = "gpu")]
+#[path = "cli/gpu.rs"]
+mod gpu;
 #[path = "cli/interrupted.rs"]
 mod interrupted;
 #[path = "cli/memory.rs"]
@@ -48,9 +51,10 @@ impl Place {
         std::fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
     }
 
+    /// The program on a machine without a GPU, whatever this one has.
     fn command(&self) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_cellfan"));
-        command.current_dir(self.0.path()).env_remove("RUST_LOG");
+        command.current_dir(self.0.path()).env_remove("RUST_LOG").env("VK_DRIVER_FILES", "/nowhere");
         command
     }
 

@@ -7,6 +7,7 @@
 mod arguments;
 mod completions;
 mod convert;
+mod drivers;
 mod failure;
 mod generate;
 mod info;
@@ -73,6 +74,7 @@ Exit codes: 0 done, 1 bad input or usage, 2 no usable device.";
 
 /// Does what the arguments say.
 pub(crate) fn run(arguments: impl Iterator<Item = OsString>) -> Outcome {
+    drivers::be_quiet();
     let Cli { command, everywhere } = Cli::try_parse_from(arguments)?;
     messages::start(everywhere.verbose, everywhere.quiet);
     let threads = usize::from(everywhere.threads.unwrap_or(0)); // 0: rayon's choice

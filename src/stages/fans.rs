@@ -9,12 +9,15 @@
 //! A vertex carries (v, q), v the inverse depth and q = s·v (parallel rays: q = s): both are affine on the picture over a
 //! triangle of the fan, so that plain interpolation gives each fragment its exact entry and exit.
 
+mod planes;
+
 use arrayvec::ArrayVec;
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::classify::{Classified, ProjectionClass, classify};
+use super::footprints::PixelBoxes;
 use super::near::{self, Corner};
 use super::{PixelProjection, SceneVertex, ScreenVertex, View};
 use crate::columns::Dataset;
@@ -62,6 +65,8 @@ impl Fan {
     }
 }
 
+pub use planes::PlaneFan;
+
 /// Memory lent by a backend, written in sequence and never read.
 pub trait FanSlot: Sized + Send {
     /// The first `fans` records, and the rest.
@@ -89,22 +94,34 @@ impl FanSlot for &mut [Fan] {
     }
 }
 
+/// How cells are drawn that the near plane cuts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NearCells {
+    /// Cut into up to three tetrahedra behind it, each with a fan.
+    Cut,
+    /// As a [`PlaneFan`] each; so are cells with vertices so far outside the picture that their rounding would show.
+    Planes,
+}
+
 /// What fans are made from.
 #[derive(Clone, Copy)]
 pub struct FanInput<'a> {
+    view: &'a View,
+    near_cells: NearCells,
     dataset: &'a Dataset,
     vertices: &'a [SceneVertex],
     screen: &'a [ScreenVertex],
     cell_values: Option<&'a [f32]>,
     projection: PixelProjection,
-    is_perspective: bool,
-    near: f32,
-    /// Whether a vertex lies before the near plane, so that cells may have to be cut.
-    is_cut: bool,
+    /// Whether a vertex lies before the near plane, or (planes) far outside the picture, so that cells need care.
+    has_near_cells: bool,
 }
 
-/// The fans of one cell.
-type CellFans = ArrayVec<(ProjectionClass, Fan), 3>;
+/// The fans of one cell, and their classes; planes have none.
+type CellFans = ArrayVec<(Option<ProjectionClass>, Fan), 3>;
+
+/// Vertices farther than this from the picture's corner are too far outside for triangles: an ulp is a thousandth of a pixel.
+const FAR_OUTSIDE_PX: f32 = 16384.0;
 
 /// Fans that are written at once.
 const WRITTEN_AT_ONCE: usize = 16;
@@ -112,20 +129,30 @@ const WRITTEN_AT_ONCE: usize = 16;
 impl<'a> FanInput<'a> {
     /// For one view, whose projection of `vertices` is `screen`; `cell_values` holds cell data, `None` takes the vertices' scalars.
     pub fn new(
-        view: &View,
+        view: &'a View,
         dataset: &'a Dataset,
         vertices: &'a [SceneVertex],
         screen: &'a [ScreenVertex],
         cell_values: Option<&'a [f32]>,
+        near_cells: NearCells,
     ) -> Self {
-        let (projection, near) = (view.projection(), view.near);
-        let is_cut = screen.par_iter().with_min_len(1 << 14).any(|vertex| vertex.depth < near);
-        Self { dataset, vertices, screen, cell_values, projection, is_perspective: view.is_perspective, near, is_cut }
+        let projection = view.projection();
+        let mut input =
+            Self { view, near_cells, dataset, vertices, screen, cell_values, projection, has_near_cells: false };
+        input.has_near_cells = screen.par_iter().with_min_len(1 << 14).any(|vertex| input.is_near(vertex));
+        input
+    }
+
+    /// Whether a cell with this vertex needs care.
+    #[inline]
+    fn is_near(&self, vertex: &ScreenVertex) -> bool {
+        let is_far_outside = || vertex.x_px.abs() > FAR_OUTSIDE_PX || vertex.y_px.abs() > FAR_OUTSIDE_PX;
+        vertex.depth < self.view.near || (self.near_cells == NearCells::Planes && is_far_outside())
     }
 
     /// No cell has more fans than this.
     pub fn fans_per_cell_max(&self) -> usize {
-        if self.is_cut { 3 } else { 1 }
+        if self.has_near_cells && self.near_cells == NearCells::Cut { 3 } else { 1 }
     }
 
     /// The projected corners of a cell, and its scalars.
@@ -139,10 +166,11 @@ impl<'a> FanInput<'a> {
         )
     }
 
-    /// Whether the near plane cuts the cell.
+    /// Whether the cell needs care.
     #[inline]
-    fn crosses_near(&self, cell: u32) -> bool {
-        self.is_cut && self.dataset.tets.get(cell as usize).iter().any(|&v| self.screen[v as usize].depth < self.near)
+    fn is_near_cell(&self, cell: u32) -> bool {
+        self.has_near_cells
+            && self.dataset.tets.get(cell as usize).iter().any(|&v| self.is_near(&self.screen[v as usize]))
     }
 
     /// The fan of a tetrahedron.
@@ -151,15 +179,14 @@ impl<'a> FanInput<'a> {
         let classified = classify(projected.map(Vec3::truncate), is_positive);
         let records = std::array::from_fn(|k| {
             let Vec3 { x, y, z: w } = projected[k];
-            let v = if self.is_perspective { 1.0 / w } else { -w };
-            Projected { xy: Vec2::new(x, y), v, q: scalars[k] * if self.is_perspective { v } else { 1.0 } }
+            let v = self.view.inverse_depth(w);
+            Projected { xy: Vec2::new(x, y), v, q: scalars[k] * if self.view.is_perspective { v } else { 1.0 } }
         });
         let fold = |of: fn(f32, f32) -> f32| of(of(scalars[0], scalars[1]), of(scalars[2], scalars[3]));
         (classified.class, fan(classified, records, [fold(f32::min), fold(f32::max)]))
     }
 
     /// The parts of a cell that lie behind the near plane.
-    #[cold]
     fn of_cut_cell(&self, cell: u32) -> CellFans {
         let (projected, scalars) = self.corners(cell);
         let corners = self.dataset.tets.get(cell as usize).map(|v| self.vertices[v as usize].position);
@@ -169,31 +196,53 @@ impl<'a> FanInput<'a> {
             depth: projected[k].z,
         });
         let mut parts = [corners; 3];
-        let count = near::cut(corners, self.near, &mut parts);
+        let count = near::cut(corners, self.view.near, &mut parts);
         let of_part = |part: &[Corner; 4]| {
             let projected = part.map(|corner| self.projection.project(corner.position));
-            self.of_corners(projected, part.map(|corner| corner.scalar), self.dataset.positive.get(cell as usize))
+            let scalars = part.map(|corner| corner.scalar);
+            let (class, fan) = self.of_corners(projected, scalars, self.dataset.positive.get(cell as usize));
+            (Some(class), fan)
         };
         parts[..count].iter().map(of_part).collect()
     }
 
-    /// The fans of `cell`: cut at the near plane where it crosses it, then classified.
+    /// A cell as its planes.
+    fn of_planes(&self, cell: u32) -> Fan {
+        let tet = self.dataset.tets.get(cell as usize);
+        let Some(pixels) = PixelBoxes::new(self.view).of_cell(tet, self.vertices, self.screen) else {
+            return Fan::default();
+        };
+        let constant = self.cell_values.map(|values| values[cell as usize]);
+        let is_positive = self.dataset.positive.get(cell as usize);
+        bytemuck::cast(PlaneFan::new(self.view, pixels, (tet, is_positive), self.vertices, constant))
+    }
+
+    #[cold]
+    fn of_near_cell(&self, cell: u32) -> CellFans {
+        match self.near_cells {
+            NearCells::Cut => self.of_cut_cell(cell),
+            NearCells::Planes => std::iter::once((None, self.of_planes(cell))).collect(),
+        }
+    }
+
+    /// The fans of `cell`.
     #[inline]
     fn of_cell(&self, cell: u32) -> CellFans {
-        if self.crosses_near(cell) {
-            return self.of_cut_cell(cell);
+        if self.is_near_cell(cell) {
+            return self.of_near_cell(cell);
         }
         let (projected, scalars) = self.corners(cell);
-        std::iter::once(self.of_corners(projected, scalars, self.dataset.positive.get(cell as usize))).collect()
+        let (class, fan) = self.of_corners(projected, scalars, self.dataset.positive.get(cell as usize));
+        std::iter::once((Some(class), fan)).collect()
     }
 }
 
-/// How many fans `cells` need: one each, and up to three where the near plane cuts a cell.
+/// How many fans `cells` need: one each, and up to three where a cell is cut at the near plane.
 pub fn count(input: &FanInput, cells: &[u32]) -> usize {
-    if !input.is_cut {
+    if input.fans_per_cell_max() == 1 {
         return cells.len();
     }
-    cells.iter().map(|&cell| if input.crosses_near(cell) { input.of_cut_cell(cell).len() } else { 1 }).sum()
+    cells.iter().map(|&cell| if input.is_near_cell(cell) { input.of_cut_cell(cell).len() } else { 1 }).sum()
 }
 
 /// Writes the fans of `cells`, in their order, into `slot`; counts them by class. A cell seen edge-on has a fan that covers nothing.
@@ -205,7 +254,9 @@ pub fn write(input: &FanInput, cells: &[u32], slot: &mut impl FanSlot) -> [u64; 
     let mut some: ArrayVec<Fan, WRITTEN_AT_ONCE> = ArrayVec::new();
     for &cell in cells {
         for (class, fan) in input.of_cell(cell) {
-            by_class[class as usize] += 1;
+            if let Some(class) = class {
+                by_class[class as usize] += 1;
+            }
             if some.is_full() {
                 slot.put(&some);
                 some.clear();

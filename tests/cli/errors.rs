@@ -88,9 +88,9 @@ fn no_device_is_2() {
     let place = Place::with_mesh();
     place.render("-o out.png --backend gpu").fails(2, &["no usable device", "--backend cpu"]);
     assert_eq!(place.names(), ["mesh.vtu"]);
-    for backend in ["cpu", "auto"] {
-        place.render(&format!("-o out.png --backend {backend}")).succeeds();
-    }
+    place.render("-o out.png --backend cpu").succeeds();
+    let ran = place.render("-o out.png --backend auto").succeeds();
+    assert!(!cfg!(feature = "gpu") || ran.err.contains("drawing on the CPU: no driver"), "{}", ran.err);
 }
 
 #[test]

@@ -9,6 +9,8 @@ mod check;
 mod common;
 mod determinism;
 mod golden;
+#[cfg(feature = "gpu")]
+mod gpu;
 mod hostile;
 mod meshes;
 mod monoid;

@@ -9,9 +9,9 @@ use crate::meshes::{grid, random_delaunay, smooth, stepped, three_views};
 
 /// How far two pictures are apart over covered pixels.
 #[derive(Debug)]
-struct Parity {
-    covered: usize,
-    mean: f64,
+pub(crate) struct Parity {
+    pub(crate) covered: usize,
+    pub(crate) mean: f64,
     #[expect(dead_code, reason = "printed")]
     max: f64,
     /// The share of covered pixels within 2e-3 in every channel.
@@ -19,7 +19,7 @@ struct Parity {
 }
 
 impl Parity {
-    fn of(a: &Image, b: &Image, miss: f32) -> Self {
+    pub(crate) fn of(a: &Image, b: &Image, miss: f32) -> Self {
         let pairs = a.pixels.iter().zip(&b.pixels).filter(|(a, b)| **a != [miss; 4] || **b != [miss; 4]);
         let of_pixel: Vec<[f64; 4]> = pairs
             .map(|(a, b)| std::array::from_fn(|k| f64::from((a[k] - b[k]).abs())))
@@ -35,12 +35,12 @@ impl Parity {
         }
     }
 
-    fn holds(&self) -> bool {
+    pub(crate) fn holds(&self) -> bool {
         self.covered > 1000 && self.mean <= 5e-5 && self.within >= 0.999
     }
 }
 
-fn miss(model: Model) -> f32 {
+pub(crate) fn miss(model: Model) -> f32 {
     if model == Model::Absorption { 1.0 } else { 0.0 }
 }
 

@@ -60,6 +60,15 @@ impl Failure {
             first.get_or_insert(problem);
         }
     }
+
+    fn note_error(&self, error: &wgpu::Error) {
+        self.note(match error {
+            wgpu::Error::OutOfMemory { .. } => {
+                "is out of memory; lower --gpu-memory or the size of the picture".to_owned()
+            }
+            other => format!("failed: {other}"),
+        });
+    }
 }
 
 /// Features that are used where the adapter has them.
@@ -135,6 +144,11 @@ impl Gpu {
         Self { device, queue, adapter, failure: Failure::default() }
     }
 
+    /// The device and queue that it shares.
+    pub fn device_and_queue(&self) -> (&wgpu::Device, &wgpu::Queue) {
+        (&self.device, &self.queue)
+    }
+
     /// What it draws on.
     pub fn adapter(&self) -> &AdapterSummary {
         &self.adapter
@@ -149,12 +163,7 @@ impl Gpu {
     fn listen(&self) {
         let failure = self.failure.clone();
         self.device.on_uncaptured_error(Arc::new(move |error| {
-            failure.note(match error {
-                wgpu::Error::OutOfMemory { .. } => {
-                    "is out of memory; lower --gpu-memory or the size of the picture".to_owned()
-                }
-                other => other.to_string(),
-            });
+            failure.note_error(&error);
         }));
         let failure = self.failure.clone();
         self.device.set_device_lost_callback(move |reason, message| {
@@ -170,6 +179,21 @@ impl Gpu {
             Some(problem) => Err(self.error(&problem)),
             None => Ok(()),
         }
+    }
+
+    /// Makes things on the device; what fails there is an error, on a caller's device too.
+    pub(super) fn make<T>(&self, what: impl FnOnce() -> Result<T>) -> Result<T> {
+        let filters = [wgpu::ErrorFilter::Validation, wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::OutOfMemory];
+        let mut scopes = filters.map(|filter| Some(self.device.push_error_scope(filter)));
+        let made = what();
+        // Scopes close from the innermost out.
+        for scope in scopes.iter_mut().rev().filter_map(Option::take) {
+            if let Some(error) = pollster::block_on(scope.pop()) {
+                self.failure.note_error(&error);
+            }
+        }
+        self.check()?;
+        made
     }
 
     /// What went wrong, or `otherwise`.

@@ -19,7 +19,7 @@ use crate::error::{Error, Result};
 use crate::image::Image;
 use crate::optics::{Integral, Model};
 use crate::profile::Profile;
-use crate::stages::fans::Fan;
+use crate::stages::fans::{Fan, NearCells};
 
 /// Draws triangle fans on a GPU; keeps its buffers, and the last draw order, between frames.
 pub struct GpuCompositor {
@@ -32,7 +32,7 @@ pub struct GpuCompositor {
 }
 
 /// Bytes of the ring below which a slice is not worth its submission.
-const RING_BYTES_MIN: u64 = 1 << 20;
+const RING_BYTES_MIN: u64 = 1 << 16;
 
 impl GpuCompositor {
     /// Device memory that is used unless another amount is named.
@@ -60,7 +60,6 @@ impl GpuCompositor {
         profile: &mut Profile,
     ) -> Result<(Image, Counts)> {
         let counts = self.accumulate(frame, (model, integral), profile)?;
-        let start = Instant::now();
         let (Some(pipelines), Some((targets, readback, _))) = (&self.pipelines, &self.targets) else {
             return Err(self.gpu.failed("has no picture"));
         };
@@ -76,6 +75,7 @@ impl GpuCompositor {
         );
         readback.copy(targets, &mut encoder);
         self.submit_and_time(encoder, |_| readback.ask(), profile)?;
+        let start = Instant::now();
         let image = readback.image(&self.gpu)?;
         self.gpu.check()?;
         profile.add("read_back", start.elapsed(), image.pixels.len() as u64 * 16);
@@ -103,7 +103,10 @@ impl GpuCompositor {
         let (Some(pipelines), Some((targets, ..))) = (&mut self.pipelines, &self.targets) else {
             return Err(self.gpu.failed("has no picture"));
         };
-        pipelines.prepare_resolve(&self.gpu, texture.format());
+        self.gpu.make(|| {
+            pipelines.prepare_resolve(&self.gpu, texture.format());
+            Ok(())
+        })?;
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let timestamps = self.timestamps.as_mut();
@@ -122,12 +125,14 @@ impl GpuCompositor {
         if let Some(timestamps) = &self.timestamps {
             timestamps.resolve(&mut encoder);
         }
+        let start = Instant::now();
         self.gpu.queue.submit([encoder.finish()]);
         ask(&self.gpu);
         if let Some(timestamps) = &self.timestamps {
             timestamps.ask();
         }
         self.gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|_| self.gpu.failed("does not answer"))?;
+        profile.add("wait_for_gpu", start.elapsed(), 0);
         self.gpu.check()?;
         if let Some((draw, resolve)) = self.timestamps.as_ref().and_then(Timestamps::times) {
             profile.add("gpu_draw", draw, 0);
@@ -145,7 +150,8 @@ impl GpuCompositor {
     ) -> Result<Counts> {
         self.gpu.check()?;
         let start = Instant::now();
-        self.prepare(frame, (model, integral))?;
+        let gpu = self.gpu.clone();
+        gpu.make(|| self.prepare(frame, (model, integral)))?;
         profile.add("prepare", start.elapsed(), 0);
         let mut counts = self.order.find(frame, !model.is_order_free(), profile);
         let (Some(pipelines), Some((targets, _, ring))) = (&self.pipelines, &self.targets) else {
@@ -155,7 +161,7 @@ impl GpuCompositor {
         if let Some(timestamps) = &mut timestamps {
             timestamps.begin();
         }
-        let input = order.fan_input(frame);
+        let input = order.fan_input(frame, NearCells::Planes);
         let (filled, to_submit) = bounded(1);
         let drawn = std::thread::scope(|scope| {
             let submitter =
@@ -213,7 +219,7 @@ impl GpuCompositor {
             let ring = Ring::new(gpu, &pipelines.fans_layout, left)?;
             self.targets = Some((Targets::new(gpu, size_px), Readback::new(gpu, size_px), ring));
         }
-        gpu.check()
+        Ok(())
     }
 }
 

@@ -202,9 +202,16 @@ fn indices() -> Vec<u16> {
     (0..FANS_PER_DRAW).flat_map(of_fan).collect()
 }
 
+/// A buffer with `contents`, whose length is a multiple of 4. (The library's own function panics on a device that is gone.)
 fn buffer_of(gpu: &Gpu, label: &str, usage: BufferUsages, contents: &[u8]) -> wgpu::Buffer {
-    use wgpu::util::DeviceExt;
-    gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
+    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size: contents.len() as u64,
+        usage: usage | BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    gpu.queue.write_buffer(&buffer, 0, contents);
+    buffer
 }
 
 fn begin<'e>(
