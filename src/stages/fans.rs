@@ -99,7 +99,8 @@ impl FanSlot for &mut [Fan] {
 pub enum NearCells {
     /// Cut into up to three tetrahedra behind it, each with a fan.
     Cut,
-    /// As a [`PlaneFan`] each; so are cells with vertices so far outside the picture that their rounding would show.
+    /// As a [`PlaneFan`] each; so are cells with vertices far outside the picture,
+    /// where a rasteriser's rounding grows with the size of the triangle.
     Planes,
 }
 
@@ -120,8 +121,6 @@ pub struct FanInput<'a> {
 /// The fans of one cell, and their classes; planes have none.
 type CellFans = ArrayVec<(Option<ProjectionClass>, Fan), 3>;
 
-/// Vertices farther than this from the picture's corner are too far outside for triangles: an ulp is a thousandth of a pixel.
-const FAR_OUTSIDE_PX: f32 = 16384.0;
 
 /// Fans that are written at once.
 const WRITTEN_AT_ONCE: usize = 16;
@@ -146,7 +145,9 @@ impl<'a> FanInput<'a> {
     /// Whether a cell with this vertex needs care.
     #[inline]
     fn is_near(&self, vertex: &ScreenVertex) -> bool {
-        let is_far_outside = || vertex.x_px.abs() > FAR_OUTSIDE_PX || vertex.y_px.abs() > FAR_OUTSIDE_PX;
+        // Half a picture beyond its edge.
+        let [width, height] = self.view.size_px.map(|side| side as f32);
+        let is_far_outside = || (vertex.x_px - 0.5 * width).abs() > width || (vertex.y_px - 0.5 * height).abs() > height;
         vertex.depth < self.view.near || (self.near_cells == NearCells::Planes && is_far_outside())
     }
 

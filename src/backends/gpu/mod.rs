@@ -17,3 +17,6 @@ mod timestamps;
 
 pub use device::{AdapterSummary, Gpu, adapters};
 pub use draw::GpuCompositor;
+
+#[cfg(test)]
+mod tests;

@@ -63,7 +63,8 @@ impl PlaneFan {
         let (s_min, s_max) = (batch.s_min[0], batch.s_max[0]);
         Self {
             box_px: [u32::from(x0) | u32::from(x1) << 16, u32::from(y0) | u32::from(y1) << 16],
-            s_range: [if s_max > s_min { s_max } else { s_min.next_up() }, s_min],
+            // Apart by more than a GPU may take for 0.
+            s_range: [s_max.max(s_min + s_min.abs() * 1e-6 + 1e-30), s_min],
             v_range: [batch.v_min[0], batch.v_max[0]],
             constant: constant.c[0],
             fronts: faces.iter().filter(|&&face| !is_back(face)).count() as u32,

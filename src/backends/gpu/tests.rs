@@ -1,0 +1,155 @@
+//! The shaders against Rust: every offset they read, and every integral they compute.
+
+use std::mem::offset_of;
+
+use naga::{Module, TypeInner};
+
+use super::layout::{FrameUniform, PieceRecord};
+use super::{Gpu, adapters, shaders};
+use crate::optics::integral::{segment_weights, segment_weights_average, segment_weights_thin, segment_weights_very_thin};
+use crate::optics::{Integral, Model, wgsl};
+use crate::stages::fans::{Fan, PlaneFan};
+
+fn all_models() -> Vec<(Model, Integral)> {
+    Model::ALL.into_iter().flat_map(|model| Integral::ALL.map(|integral| (model, integral))).collect()
+}
+
+/// Name and offset of each member of a struct, and its span.
+fn members(module: &Module, name: &str) -> (Vec<(String, usize)>, usize) {
+    let (_, found) = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name)).unwrap();
+    let TypeInner::Struct { members, span } = &found.inner else { panic!("{name} is no struct") };
+    let member = |member: &naga::StructMember| (member.name.clone().unwrap(), member.offset as usize);
+    (members.iter().map(member).collect(), *span as usize)
+}
+
+macro_rules! offsets {
+    ($type:ty: $($member:ident),*) => {
+        (vec![$((stringify!($member).to_owned(), offset_of!($type, $member))),*], size_of::<$type>())
+    };
+}
+
+#[test]
+fn shaders_parse_and_read_what_rust_writes() {
+    for (model, integral) in all_models() {
+        let text = shaders::of(model, integral).draw_text();
+        let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
+        let frame = offsets!(
+            FrameUniform: ndc_scale, ndc_offset, ray, is_perspective, ray_step_x, piece_count, ray_step_y, v_far,
+            v_near, texels, texels_per_length, texels_per_extinction
+        );
+        assert_eq!(members(&module, "Frame"), frame, "{model} {integral}");
+        let piece = offsets!(
+            PieceRecord: begin, end, start, extinction, color, extinction_slope, color_slope, is_transparent
+        );
+        assert_eq!(members(&module, "Piece"), piece);
+        // Fans are read as words: these are the places that `shaders/fans.wgsl` names.
+        assert_eq!(members(&module, "Fan"), (vec![("words".to_owned(), 0)], size_of::<Fan>()));
+    }
+    let words = |bytes: usize| (bytes / 16, bytes % 16 / 4);
+    assert_eq!([offset_of!(Fan, thick_px), offset_of!(Fan, s_range)].map(words), [(0, 0), (0, 2)]);
+    assert_eq!([offset_of!(Fan, front), offset_of!(Fan, back), offset_of!(Fan, ring)].map(words), [(1, 0), (1, 2), (2, 0)]);
+    assert_eq!([offset_of!(PlaneFan, box_px), offset_of!(PlaneFan, s_range)].map(words), [(0, 0), (0, 2)]);
+    let rest = [
+        offset_of!(PlaneFan, v_range),
+        offset_of!(PlaneFan, constant),
+        offset_of!(PlaneFan, fronts),
+        offset_of!(PlaneFan, planes),
+    ];
+    assert_eq!(rest.map(words), [(1, 0), (1, 2), (1, 3), (2, 0)]);
+}
+
+#[test]
+fn all_shaders_are_valid() {
+    let texts = all_models().into_iter().map(|(model, integral)| shaders::of(model, integral).draw_text());
+    for text in texts.chain([shaders::resolve_text()]) {
+        let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
+        let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::all());
+        validator.validate(&module).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
+    }
+}
+
+/// Runs `fn pair(x, y) -> vec4` of the integrals' shader on pairs of optical depths.
+fn on_gpu(gpu: &Gpu, pairs: &[[f32; 2]], of: &str) -> Vec<[f32; 4]> {
+    let text = format!(
+        "{}\n{}\n{of}\n
+        @group(0) @binding(0) var<storage, read> pairs: array<vec2<f32>>;
+        @group(0) @binding(1) var<storage, read_write> results: array<vec4<f32>>;
+        @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3<u32>) {{
+            if id.x < arrayLength(&pairs) {{ results[id.x] = pair(pairs[id.x].x, pairs[id.x].y); }}
+        }}",
+        wgsl::constants(),
+        include_str!("../../../shaders/integral.wgsl")
+    );
+    let device = &gpu.device;
+    let module = shaders::module(device, "integrals", text);
+    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: None,
+        layout: None,
+        module: &module,
+        entry_point: Some("main"),
+        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        cache: None,
+    });
+    let buffer = |size: usize, usage| {
+        let size = size as u64;
+        device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
+    };
+    use wgpu::BufferUsages as Usage;
+    let input = buffer(size_of_val(pairs), Usage::STORAGE | Usage::COPY_DST);
+    gpu.queue.write_buffer(&input, 0, bytemuck::cast_slice(pairs));
+    let output = buffer(2 * size_of_val(pairs), Usage::STORAGE | Usage::COPY_SRC);
+    let read = buffer(2 * size_of_val(pairs), Usage::MAP_READ | Usage::COPY_DST);
+    let bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &[(0, &input), (1, &output)]
+            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() }),
+    });
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+    pass.set_pipeline(&pipeline);
+    pass.set_bind_group(0, &bindings, &[]);
+    pass.dispatch_workgroups(pairs.len().div_ceil(64) as u32, 1, 1);
+    drop(pass);
+    encoder.copy_buffer_to_buffer(&output, 0, &read, 0, output.size());
+    gpu.queue.submit([encoder.finish()]);
+    read.map_async(wgpu::MapMode::Read, .., |_| {});
+    device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+    gpu.check().unwrap();
+    let bytes = read.get_mapped_range(..).unwrap();
+    bytemuck::pod_collect_to_vec(&bytes)
+}
+
+#[test]
+fn integrals_are_those_of_the_processor() {
+    let depths: Vec<f32> = (0..140).map(|i| 1e-6 * 1.2_f32.powi(i)).chain([0.0, 2.0, 0.0625]).collect();
+    let pairs: Vec<[f32; 2]> = depths.iter().flat_map(|&x| depths.iter().map(move |&y| [x, y])).collect();
+    type Weights = fn(f32, f32) -> crate::optics::SegmentWeights;
+    let exact: Weights = |x, y| match 0.5 * x + 0.5 * y {
+        m if m <= crate::optics::integral::VERY_THIN_LIMIT => segment_weights_very_thin(x, y),
+        m if m <= crate::optics::attenuation::THIN_LIMIT => segment_weights_thin(x, y),
+        _ => segment_weights(x, y),
+    };
+    for adapter in adapters() {
+        let gpu = Gpu::open(Some(&adapter.name)).unwrap();
+        for (name, expected) in [("segment_weights", exact), ("segment_weights_average", segment_weights_average)] {
+            let of = format!(
+                "fn pair(x: f32, y: f32) -> vec4<f32> {{ let w = {name}(x, y); return vec4<f32>(w.w0, w.w1, w.transmittance, 0.0); }}"
+            );
+            let mut worst = [0.0_f32; 3];
+            for (&[x, y], found) in pairs.iter().zip(on_gpu(&gpu, &pairs, &of)) {
+                let w = expected(x, y);
+                for (worst, (found, expected)) in worst.iter_mut().zip(found.into_iter().zip([w.w0, w.w1, w.transmittance])) {
+                    let off = (found - expected).abs();
+                    assert!(off < 2e-6, "{name}({x}, {y}): {found}, not {expected}");
+                    *worst = worst.max(off);
+                }
+            }
+            println!("{name} on {adapter}: largest differences {worst:?}");
+        }
+        // The comparison fails where an integral is another.
+        let of = "fn pair(x: f32, y: f32) -> vec4<f32> { return vec4<f32>(segment_weights_average(x, y).w0); }";
+        let others = on_gpu(&gpu, &pairs, of);
+        assert!(pairs.iter().zip(others).any(|(&[x, y], found)| (found[0] - exact(x, y).w0).abs() > 1e-3));
+    }
+}
