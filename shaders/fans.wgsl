@@ -3,6 +3,9 @@
 // A Fan, or a PlaneFan (src/stages/fans/planes.rs) in its room, as words:
 //   Fan       thick x y, s min max | front v q, back v q | four times ring x y v q
 //   PlaneFan  box columns rows, s max min | v min max, constant, fronts | four times plane c x y, varying c x y 0
+// Whether a draw may have PlaneFans: shaders that need not know them are faster.
+override HAS_PLANES: bool = true;
+
 struct Fan {
     words: array<vec4<u32>, 6>,
 }
@@ -38,7 +41,7 @@ fn vertex(@builtin(vertex_index) index: u32) -> Fragment {
     let head = floats(fan, 0u);
     var position_px = head.xy;
     var enter_leave = floats(fan, 1u);
-    if head.z > head.w {
+    if HAS_PLANES && head.z > head.w {
         let pixels = box_of(fan) - 0.5;
         let right = corner == 2u || corner == 3u;
         let below = corner == 3u || corner == 4u;
@@ -74,7 +77,7 @@ fn length_per_depth(pixel: vec2<f32>) -> f32 {
 
 fn segment(in: Fragment) -> Segment {
     let pixel = in.position.xy - 0.5;
-    if in.s_range.x > in.s_range.y {
+    if HAS_PLANES && in.s_range.x > in.s_range.y {
         return segment_of_planes(in.fan, pixel);
     }
     let v0 = in.enter_leave.x;

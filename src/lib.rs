@@ -18,7 +18,7 @@
 //! | [`optics`] | transfer functions, ray integrals, one file per optical model |
 //! | [`camera`] | [`Camera`]: the ray through each pixel |
 //! | [`stages`] | cull, classify, sort, fans, footprints, in that order |
-//! | [`backends`] | compositors: cells in order to pixels |
+//! | [`backends`] | compositors: cells in order to pixels, on the CPU or (feature `gpu`) a GPU |
 //! | [`render`](mod@render) | [`Renderer`]: runs the stages and feeds a backend |
 //! | [`image`](mod@image), [`profile`] | [`Image`] and where its time went |
 //! | [`generate`] | analytic and procedural meshes |

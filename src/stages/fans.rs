@@ -121,7 +121,6 @@ pub struct FanInput<'a> {
 /// The fans of one cell, and their classes; planes have none.
 type CellFans = ArrayVec<(Option<ProjectionClass>, Fan), 3>;
 
-
 /// Fans that are written at once.
 const WRITTEN_AT_ONCE: usize = 16;
 
@@ -147,8 +146,14 @@ impl<'a> FanInput<'a> {
     fn is_near(&self, vertex: &ScreenVertex) -> bool {
         // Half a picture beyond its edge.
         let [width, height] = self.view.size_px.map(|side| side as f32);
-        let is_far_outside = || (vertex.x_px - 0.5 * width).abs() > width || (vertex.y_px - 0.5 * height).abs() > height;
+        let is_far_outside =
+            || (vertex.x_px - 0.5 * width).abs() > width || (vertex.y_px - 0.5 * height).abs() > height;
         vertex.depth < self.view.near || (self.near_cells == NearCells::Planes && is_far_outside())
+    }
+
+    /// Whether there may be [`PlaneFan`]s among the fans.
+    pub fn may_have_planes(&self) -> bool {
+        self.has_near_cells && self.near_cells == NearCells::Planes
     }
 
     /// No cell has more fans than this.

@@ -39,9 +39,14 @@ fn what_a_gpu_cannot_do_is_refused_or_left_to_the_cpu() {
         return;
     }
     let place = Place::with_mesh();
-    render(&place, "-o a.png --backend gpu --adapter nobody-makes-this").fails(2, &["nobody-makes-this", "there are: "]);
+    render(&place, "-o a.png --backend gpu --adapter nobody-makes-this")
+        .fails(2, &["nobody-makes-this", "there are: "]);
     let ran = render(&place, "-o a.png --backend gpu --gpu-memory 1k");
-    assert!(ran.code == Some(1) && ran.err.contains("error: --gpu-memory: 1000 bytes; this picture takes"), "{}", ran.err);
+    assert!(
+        ran.code == Some(1) && ran.err.contains("error: --gpu-memory: 1000 bytes; this picture takes"),
+        "{}",
+        ran.err
+    );
     for option in ["--sort exact", "--memory 1Gi", "--cpu-method fans"] {
         let ran = render(&place, &format!("-o a.png --backend gpu {option}"));
         ran.fails(1, &["--backend gpu", option.split(' ').next().unwrap()]);

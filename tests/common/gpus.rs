@@ -12,7 +12,10 @@ pub(crate) fn gpus(test: &str) -> Vec<Gpu> {
     let found = adapters();
     if found.is_empty() {
         assert!(std::env::var_os("CELLFAN_GPU").is_none_or(|gpu| gpu != "required"), "{test}: there is no adapter");
-        let _ = writeln!(std::io::stderr(), "SKIPPED: there is no driver for Vulkan, Metal or Direct3D 12, so {test} did not run");
+        let _ = writeln!(
+            std::io::stderr(),
+            "SKIPPED: there is no driver for Vulkan, Metal or Direct3D 12, so {test} did not run"
+        );
     }
     found.iter().map(|adapter| Gpu::open(Some(&adapter.name)).unwrap_or_else(|error| panic!("{error}"))).collect()
 }

@@ -70,7 +70,8 @@ fn parity_with_the_cpu() {
                 let scene = scene(&case, &transfer);
                 for (model, integral) in models() {
                     // On a Delaunay mesh the order of both is right, and the same.
-                    let options = RenderOptions { model, integral, sort: SortMethod::Power, ..RenderOptions::default() };
+                    let options =
+                        RenderOptions { model, integral, sort: SortMethod::Power, ..RenderOptions::default() };
                     let cpu = Renderer::new(options).render(&scene, &camera).unwrap().image;
                     for gpu in &gpus {
                         let image = draw(gpu, options, &scene, &camera);

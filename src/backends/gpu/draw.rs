@@ -154,18 +154,24 @@ impl GpuCompositor {
         gpu.make(|| self.prepare(frame, (model, integral)))?;
         profile.add("prepare", start.elapsed(), 0);
         let mut counts = self.order.find(frame, !model.is_order_free(), profile);
-        let (Some(pipelines), Some((targets, _, ring))) = (&self.pipelines, &self.targets) else {
+        let (Some(pipelines), Some((targets, _, ring))) = (&mut self.pipelines, &self.targets) else {
             return Err(self.gpu.failed("has no picture"));
         };
         let (gpu, order, mut timestamps) = (&self.gpu, &self.order, self.timestamps.as_mut());
+        let input = order.fan_input(frame, NearCells::Planes);
+        let has_planes = input.may_have_planes();
+        gpu.make(|| {
+            pipelines.prepare_draw(gpu, has_planes);
+            Ok(())
+        })?;
+        let pipelines = &*pipelines;
         if let Some(timestamps) = &mut timestamps {
             timestamps.begin();
         }
-        let input = order.fan_input(frame, NearCells::Planes);
         let (filled, to_submit) = bounded(1);
         let drawn = std::thread::scope(|scope| {
-            let submitter =
-                scope.spawn(move || Submitter { gpu, pipelines, targets, ring, timestamps }.run(&to_submit));
+            let submitter = scope
+                .spawn(move || Submitter { gpu, pipelines, targets, ring, timestamps, has_planes }.run(&to_submit));
             let mut is_whole = true;
             for slice in order.slices(&input, ring.capacity) {
                 let start = Instant::now();
@@ -230,6 +236,7 @@ struct Submitter<'a> {
     targets: &'a Targets,
     ring: &'a Ring,
     timestamps: Option<&'a mut Timestamps>,
+    has_planes: bool,
 }
 
 impl Submitter<'_> {
@@ -253,7 +260,7 @@ impl Submitter<'_> {
             let timestamps = self.timestamps.as_deref_mut().and_then(Timestamps::of_pass);
             self.pipelines.draw(
                 self.ring.binding(slot),
-                fans,
+                (fans, self.has_planes),
                 is_first,
                 &self.targets.accumulated,
                 timestamps,

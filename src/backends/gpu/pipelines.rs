@@ -19,7 +19,9 @@ const FANS_PER_DRAW: usize = 1 << 13;
 pub(super) struct Pipelines {
     of: (Model, Integral),
     shaders: ModelShaders,
-    draw: wgpu::RenderPipeline,
+    module: wgpu::ShaderModule,
+    /// For fans alone, and for fans among which there are planes.
+    draw: [Option<wgpu::RenderPipeline>; 2],
     /// Indices of [`FANS_PER_DRAW`] fans.
     indices: wgpu::Buffer,
     frame: wgpu::Buffer,
@@ -68,12 +70,6 @@ impl Pipelines {
             }],
         );
         let module = shaders::module(device, "fans", shaders.draw_text());
-        let draw = pipeline(
-            gpu,
-            &[&frame_layout, &fans_layout],
-            (&module, "vertex", "fragment"),
-            (accumulated_format(gpu), Some(blend_state(shaders.blend))),
-        );
         let frame = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("frame"),
             size: size_of::<FrameUniform>() as u64,
@@ -83,7 +79,8 @@ impl Pipelines {
         Self {
             of: (model, integral),
             shaders,
-            draw,
+            module,
+            draw: [None, None],
             indices: buffer_of(gpu, "indices", BufferUsages::INDEX, bytemuck::cast_slice(&indices())),
             frame,
             frame_layout,
@@ -123,11 +120,20 @@ impl Pipelines {
         Ok(())
     }
 
+    /// Makes sure that fans can be drawn, with planes among them or without.
+    pub(super) fn prepare_draw(&mut self, gpu: &Gpu, has_planes: bool) {
+        let layouts = [&self.frame_layout, &self.fans_layout];
+        let target = (accumulated_format(gpu), Some(blend_state(self.shaders.blend)));
+        let constants = [("HAS_PLANES", f64::from(u8::from(has_planes)))];
+        let shader = Shader { module: &self.module, vertex: "vertex", fragment: "fragment", constants: &constants };
+        self.draw[usize::from(has_planes)].get_or_insert_with(|| pipeline(gpu, &layouts, shader, target));
+    }
+
     /// Draws the first `fans` fans of a slot.
     pub(super) fn draw(
         &self,
         slot: &wgpu::BindGroup,
-        fans: usize,
+        (fans, has_planes): (usize, bool),
         is_first: bool,
         accumulated: &wgpu::TextureView,
         timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
@@ -135,7 +141,8 @@ impl Pipelines {
     ) {
         let load = if is_first { self.clear_color() } else { wgpu::LoadOp::Load };
         let mut pass = begin(encoder, "fans", accumulated, load, timestamps);
-        pass.set_pipeline(&self.draw);
+        let Some(pipeline) = &self.draw[usize::from(has_planes)] else { return };
+        pass.set_pipeline(pipeline);
         pass.set_bind_group(0, self.frame_binding.as_ref(), &[]);
         pass.set_bind_group(1, slot, &[]);
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
@@ -161,7 +168,8 @@ impl Pipelines {
             return;
         }
         let layouts = [&self.frame_layout, &self.accumulated_layout];
-        let shader = (&self.resolve_module, "whole_picture", self.shaders.resolve);
+        let (module, fragment) = (&self.resolve_module, self.shaders.resolve);
+        let shader = Shader { module, vertex: "whole_picture", fragment, constants: &[] };
         self.resolve.push((format, pipeline(gpu, &layouts, shader, (format, None))));
     }
 
@@ -247,11 +255,19 @@ fn blend_state(blend: Blend) -> wgpu::BlendState {
     wgpu::BlendState { color: component, alpha: component }
 }
 
-/// A pipeline of `(module, vertex, fragment)` that draws triangles into `(format, blend)`.
+/// Entry points of a module, with values for its constants.
+struct Shader<'a> {
+    module: &'a wgpu::ShaderModule,
+    vertex: &'a str,
+    fragment: &'a str,
+    constants: &'a [(&'a str, f64)],
+}
+
+/// A pipeline that draws triangles into `(format, blend)`.
 fn pipeline(
     gpu: &Gpu,
     layouts: &[&wgpu::BindGroupLayout],
-    (module, vertex, fragment): (&wgpu::ShaderModule, &str, &str),
+    Shader { module, vertex, fragment, constants }: Shader<'_>,
     (format, blend): (TextureFormat, Option<wgpu::BlendState>),
 ) -> wgpu::RenderPipeline {
     let layouts: Vec<_> = layouts.iter().map(|&layout| Some(layout)).collect();
@@ -260,13 +276,15 @@ fn pipeline(
         bind_group_layouts: &layouts,
         immediate_size: 0,
     });
+    let compilation_options =
+        wgpu::PipelineCompilationOptions { constants, ..wgpu::PipelineCompilationOptions::default() };
     gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(fragment),
         layout: Some(&layout),
         vertex: wgpu::VertexState {
             module,
             entry_point: Some(vertex),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            compilation_options: compilation_options.clone(),
             buffers: &[],
         },
         primitive: wgpu::PrimitiveState::default(),
@@ -275,7 +293,7 @@ fn pipeline(
         fragment: Some(wgpu::FragmentState {
             module,
             entry_point: Some(fragment),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            compilation_options: compilation_options.clone(),
             targets: &[Some(wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL })],
         }),
         multiview_mask: None,

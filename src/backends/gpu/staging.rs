@@ -47,7 +47,7 @@ impl Ring {
             && device.adapter_info().device_type != wgpu::DeviceType::DiscreteGpu;
         let copies = if reads_mapped { 1 } else { 2 };
         let limits = device.limits();
-        let most = SLOT_BYTES_MAX.min(limits.max_storage_buffer_binding_size.into()).min(limits.max_buffer_size);
+        let most = SLOT_BYTES_MAX.min(limits.max_storage_buffer_binding_size).min(limits.max_buffer_size);
         let fan = size_of::<Fan>() as u64;
         let capacity = ((bytes / (Self::SLOTS as u64 * copies)).min(most) / fan).max(FANS_MIN);
         let free = unbounded();

@@ -3,10 +3,13 @@
 use std::mem::offset_of;
 
 use naga::{Module, TypeInner};
+use wgpu::BufferUsages as Usage;
 
 use super::layout::{FrameUniform, PieceRecord};
 use super::{Gpu, adapters, shaders};
-use crate::optics::integral::{segment_weights, segment_weights_average, segment_weights_thin, segment_weights_very_thin};
+use crate::optics::integral::{
+    segment_weights, segment_weights_average, segment_weights_thin, segment_weights_very_thin,
+};
 use crate::optics::{Integral, Model, wgsl};
 use crate::stages::fans::{Fan, PlaneFan};
 
@@ -32,7 +35,8 @@ macro_rules! offsets {
 fn shaders_parse_and_read_what_rust_writes() {
     for (model, integral) in all_models() {
         let text = shaders::of(model, integral).draw_text();
-        let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
+        let module =
+            naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
         let frame = offsets!(
             FrameUniform: ndc_scale, ndc_offset, ray, is_perspective, ray_step_x, piece_count, ray_step_y, v_far,
             v_near, texels, texels_per_length, texels_per_extinction
@@ -47,7 +51,10 @@ fn shaders_parse_and_read_what_rust_writes() {
     }
     let words = |bytes: usize| (bytes / 16, bytes % 16 / 4);
     assert_eq!([offset_of!(Fan, thick_px), offset_of!(Fan, s_range)].map(words), [(0, 0), (0, 2)]);
-    assert_eq!([offset_of!(Fan, front), offset_of!(Fan, back), offset_of!(Fan, ring)].map(words), [(1, 0), (1, 2), (2, 0)]);
+    assert_eq!(
+        [offset_of!(Fan, front), offset_of!(Fan, back), offset_of!(Fan, ring)].map(words),
+        [(1, 0), (1, 2), (2, 0)]
+    );
     assert_eq!([offset_of!(PlaneFan, box_px), offset_of!(PlaneFan, s_range)].map(words), [(0, 0), (0, 2)]);
     let rest = [
         offset_of!(PlaneFan, v_range),
@@ -62,11 +69,15 @@ fn shaders_parse_and_read_what_rust_writes() {
 fn all_shaders_are_valid() {
     let texts = all_models().into_iter().map(|(model, integral)| shaders::of(model, integral).draw_text());
     for text in texts.chain([shaders::resolve_text()]) {
-        let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
-        let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::all());
+        let module =
+            naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
+        let mut validator =
+            naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::all());
         validator.validate(&module).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
     }
 }
+
+type Weights = fn(f32, f32) -> crate::optics::SegmentWeights;
 
 /// Runs `fn pair(x, y) -> vec4` of the integrals' shader on pairs of optical depths.
 fn on_gpu(gpu: &Gpu, pairs: &[[f32; 2]], of: &str) -> Vec<[f32; 4]> {
@@ -94,7 +105,6 @@ fn on_gpu(gpu: &Gpu, pairs: &[[f32; 2]], of: &str) -> Vec<[f32; 4]> {
         let size = size as u64;
         device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
     };
-    use wgpu::BufferUsages as Usage;
     let input = buffer(size_of_val(pairs), Usage::STORAGE | Usage::COPY_DST);
     gpu.queue.write_buffer(&input, 0, bytemuck::cast_slice(pairs));
     let output = buffer(2 * size_of_val(pairs), Usage::STORAGE | Usage::COPY_SRC);
@@ -124,7 +134,6 @@ fn on_gpu(gpu: &Gpu, pairs: &[[f32; 2]], of: &str) -> Vec<[f32; 4]> {
 fn integrals_are_those_of_the_processor() {
     let depths: Vec<f32> = (0..140).map(|i| 1e-6 * 1.2_f32.powi(i)).chain([0.0, 2.0, 0.0625]).collect();
     let pairs: Vec<[f32; 2]> = depths.iter().flat_map(|&x| depths.iter().map(move |&y| [x, y])).collect();
-    type Weights = fn(f32, f32) -> crate::optics::SegmentWeights;
     let exact: Weights = |x, y| match 0.5 * x + 0.5 * y {
         m if m <= crate::optics::integral::VERY_THIN_LIMIT => segment_weights_very_thin(x, y),
         m if m <= crate::optics::attenuation::THIN_LIMIT => segment_weights_thin(x, y),
@@ -139,7 +148,9 @@ fn integrals_are_those_of_the_processor() {
             let mut worst = [0.0_f32; 3];
             for (&[x, y], found) in pairs.iter().zip(on_gpu(&gpu, &pairs, &of)) {
                 let w = expected(x, y);
-                for (worst, (found, expected)) in worst.iter_mut().zip(found.into_iter().zip([w.w0, w.w1, w.transmittance])) {
+                for (worst, (found, expected)) in
+                    worst.iter_mut().zip(found.into_iter().zip([w.w0, w.w1, w.transmittance]))
+                {
                     let off = (found - expected).abs();
                     assert!(off < 2e-6, "{name}({x}, {y}): {found}, not {expected}");
                     *worst = worst.max(off);

@@ -112,6 +112,7 @@ fn find_gpu(arguments: &Arguments) -> Option<Gpu> {
 }
 
 #[cfg(not(feature = "gpu"))]
+#[expect(clippy::unused_self, reason = "the same methods as with GPUs")]
 impl Backend {
     /// The processor: this program was built without GPUs.
     pub(super) fn choose(arguments: &Arguments) -> cellfan::Result<Self> {
@@ -142,5 +143,43 @@ impl Backend {
 
     pub(super) fn adapter(&self) -> Option<String> {
         None
+    }
+}
+
+#[cfg(all(test, feature = "gpu"))]
+mod tests {
+    use cellfan::generate::{self, Settings};
+    use cellfan::optics::presets;
+    use cellfan::{Dataset, FieldSelection};
+
+    use super::*;
+
+    #[test]
+    fn a_gpu_that_fails_leaves_the_frame_to_the_cpu_where_it_may() {
+        let mesh = generate::tets(&Settings { cells: 2000, ..Settings::default() }).unwrap();
+        let dataset = Dataset::from_tets(mesh).unwrap();
+        let field = dataset.field(&FieldSelection::parse("value", &dataset.arrays)).unwrap();
+        let transfer = presets::preset("viridis", field.range, presets::OpacityProfile::default(), 0.02).unwrap();
+        let camera = Camera::framing(&dataset.corners_world(), 35.0, 20.0, 40, 30);
+        let scene = Scene::new(dataset, field, &transfer);
+        let options = RenderOptions::default();
+        let expected = Renderer::new(options).render(&scene, &camera).unwrap().image;
+        for adapter in adapters() {
+            for may_fall_back in [true, false] {
+                let gpu = Gpu::open(Some(&adapter.name)).unwrap();
+                let mut backend = Backend { gpu: Some(gpu.clone()), gpu_memory_bytes: 1 << 26, may_fall_back };
+                let mut renderer = backend.renderer(options);
+                backend.render(&mut renderer, options, &scene, &camera).unwrap();
+                assert_eq!(backend.name(), "gpu");
+                gpu.device_and_queue().0.destroy();
+                let rendered = backend.render(&mut renderer, options, &scene, &camera);
+                if may_fall_back {
+                    assert_eq!(rendered.unwrap().image.pixels, expected.pixels);
+                    assert_eq!((backend.name(), backend.adapter()), ("cpu", None));
+                } else {
+                    assert!(rendered.unwrap_err().is_device());
+                }
+            }
+        }
     }
 }

@@ -99,7 +99,8 @@ mod tests {
                 let fronts = fan.fronts as usize;
                 let enter = (0..fronts).map(on_plane).fold(fan.v_range[1], f32::min);
                 let leave = (fronts..4).map(on_plane).fold(fan.v_range[0], f32::max);
-                let (near, far) = depths_in_cell(&view, ray(&view, x.into(), y.into()), corners(&dataset, &vertices, cell));
+                let (near, far) =
+                    depths_in_cell(&view, ray(&view, x.into(), y.into()), corners(&dataset, &vertices, cell));
                 let (near, far) = (near.max(f64::from(view.near)), far.min(f64::from(view.far)));
                 let depth = |v: f32| f64::from(if view.is_perspective { 1.0 / v } else { -v });
                 let length = if enter > leave { depth(leave) - depth(enter) } else { 0.0 };
