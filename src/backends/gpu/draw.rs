@@ -5,13 +5,14 @@
 
 use std::time::Instant;
 
-use crossbeam_channel::{Receiver, bounded};
+use crossbeam_channel::bounded;
 
 use super::Gpu;
 use super::accumulate::{BYTES_PER_PIXEL, PICTURE_FORMAT, Targets};
 use super::pipelines::Pipelines;
 use super::readback::Readback;
 use super::staging::Ring;
+use super::submit::Submitter;
 use super::timestamps::Timestamps;
 use crate::backends::draw_order::DrawOrder;
 use crate::backends::{Counts, Frame};
@@ -192,8 +193,9 @@ impl GpuCompositor {
             let drawn = submitter.join().unwrap_or_else(|_| Err(gpu.failed("could not be fed")));
             if is_whole { drawn } else { Err(gpu.failed("gave no memory to write to")) }
         });
-        profile.add("submit", drawn?, 0);
-        gpu.check()?;
+        // A ring that was left in the middle has slots that nobody frees.
+        profile.add("submit", drawn.inspect_err(|_| self.targets = None)?, 0);
+        self.gpu.check()?;
         Ok(counts)
     }
 
@@ -226,64 +228,5 @@ impl GpuCompositor {
             self.targets = Some((Targets::new(gpu, size_px), Readback::new(gpu, size_px), ring));
         }
         Ok(())
-    }
-}
-
-/// Submits slots in the order in which they come.
-struct Submitter<'a> {
-    gpu: &'a Gpu,
-    pipelines: &'a Pipelines,
-    targets: &'a Targets,
-    ring: &'a Ring,
-    timestamps: Option<&'a mut Timestamps>,
-    has_planes: bool,
-}
-
-impl Submitter<'_> {
-    /// Draws all slots; how long submissions took.
-    fn run(mut self, filled: &Receiver<(usize, usize)>) -> Result<std::time::Duration> {
-        let result = self.draw_all(filled);
-        if result.is_err() {
-            self.ring.give_up();
-        }
-        result
-    }
-
-    fn draw_all(&mut self, filled: &Receiver<(usize, usize)>) -> Result<std::time::Duration> {
-        let mut submitting = std::time::Duration::ZERO;
-        let mut in_flight = std::collections::VecDeque::new();
-        let mut is_first = true;
-        for (slot, fans) in filled {
-            let start = Instant::now();
-            let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            self.ring.hand_over(slot, fans, &mut encoder);
-            let timestamps = self.timestamps.as_deref_mut().and_then(Timestamps::of_pass);
-            self.pipelines.draw(
-                self.ring.binding(slot),
-                (fans, self.has_planes),
-                is_first,
-                &self.targets.accumulated,
-                timestamps,
-                &mut encoder,
-            );
-            is_first = false;
-            in_flight.push_back(self.gpu.queue.submit([encoder.finish()]));
-            self.ring.free_when_drawn(slot);
-            submitting += start.elapsed();
-            // A slot becomes free when somebody polls. The last free one was just drawn: wait for the first.
-            let wait = if in_flight.len() >= Ring::SLOTS {
-                wgpu::PollType::Wait { submission_index: in_flight.pop_front(), timeout: None }
-            } else {
-                wgpu::PollType::Poll
-            };
-            self.gpu.device.poll(wait).map_err(|_| self.gpu.failed("does not answer"))?;
-            self.gpu.check()?;
-        }
-        if is_first {
-            let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            self.pipelines.clear(&self.targets.accumulated, &mut encoder);
-            self.gpu.queue.submit([encoder.finish()]);
-        }
-        Ok(submitting)
     }
 }

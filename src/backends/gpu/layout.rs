@@ -38,8 +38,23 @@ pub(super) struct PieceRecord {
     pub(super) is_transparent: u32,
 }
 
+/// Where lengths and extinctions are among the texels of an opacity texture; nothing without one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Texels {
+    side: u32,
+    per_length: f32,
+    per_extinction: f32,
+}
+
+impl Texels {
+    pub(super) fn of(texture: &OpacityTexture) -> Self {
+        let [per_length, per_extinction] = texture.texel_per_length_and_extinction();
+        Self { side: texture.size() as u32, per_length, per_extinction }
+    }
+}
+
 impl FrameUniform {
-    pub(super) fn new(view: &View, pieces: &Pieces, texture: Option<&OpacityTexture>) -> Self {
+    pub(super) fn new(view: &View, pieces: &Pieces, texels: Texels) -> Self {
         let [width, height] = view.size_px.map(|side| side as f32);
         let world = |direction: glam::DVec3| (direction * view.world_per_scene).as_vec3().to_array();
         let (ray, step_x, step_y) = if view.is_perspective {
@@ -48,8 +63,6 @@ impl FrameUniform {
             (view.forward, glam::DVec3::ZERO, glam::DVec3::ZERO)
         };
         let (v_far, v_near) = view.inverse_depth_range();
-        let [texels_per_length, texels_per_extinction] =
-            texture.map_or([0.0; 2], OpacityTexture::texel_per_length_and_extinction);
         Self {
             // Pixel centres are at whole numbers, rows run down.
             ndc_scale: [2.0 / width, -2.0 / height],
@@ -61,9 +74,9 @@ impl FrameUniform {
             ray_step_y: world(step_y),
             v_far: finite(v_far),
             v_near: finite(v_near),
-            texels: texture.map_or(0, |texture| texture.size() as u32),
-            texels_per_length,
-            texels_per_extinction,
+            texels: texels.side,
+            texels_per_length: texels.per_length,
+            texels_per_extinction: texels.per_extinction,
         }
     }
 }

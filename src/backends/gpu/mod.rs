@@ -13,6 +13,7 @@ mod pipelines;
 mod readback;
 mod shaders;
 mod staging;
+mod submit;
 mod timestamps;
 
 pub use device::{AdapterSummary, Gpu, adapters};

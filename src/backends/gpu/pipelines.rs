@@ -4,11 +4,12 @@ use wgpu::{BufferUsages, ShaderStages, TextureFormat};
 
 use super::Gpu;
 use super::accumulate::accumulated_format;
-use super::layout::{FrameUniform, piece_records};
+use super::layout::{FrameUniform, PieceRecord, Texels, piece_records};
 use super::shaders::{self, Blend, ModelShaders};
 use super::timestamps::Timestamps;
 use crate::backends::Frame;
 use crate::error::Result;
+use crate::optics::texture::OpacityTexture;
 use crate::optics::{Integral, Model, Textured};
 use crate::stages::fans::Fan;
 
@@ -27,10 +28,19 @@ pub(super) struct Pipelines {
     frame: wgpu::Buffer,
     frame_layout: wgpu::BindGroupLayout,
     frame_binding: Option<wgpu::BindGroup>,
+    /// What pieces and opacity texture in `frame_binding` were made of.
+    bound: Option<Bound>,
     pub(super) fans_layout: wgpu::BindGroupLayout,
     accumulated_layout: wgpu::BindGroupLayout,
     resolve_module: wgpu::ShaderModule,
     resolve: Vec<(TextureFormat, wgpu::RenderPipeline)>,
+}
+
+/// A transfer function that is bound.
+struct Bound {
+    pieces: Vec<PieceRecord>,
+    diagonal_world: f64,
+    texels: Texels,
 }
 
 fn buffer_entry(binding: u32, ty: wgpu::BufferBindingType) -> wgpu::BindGroupLayoutEntry {
@@ -85,6 +95,7 @@ impl Pipelines {
             frame,
             frame_layout,
             frame_binding: None,
+            bound: None,
             fans_layout,
             accumulated_layout,
             resolve_module: shaders::module(device, "resolve", shaders::resolve_text()),
@@ -98,26 +109,35 @@ impl Pipelines {
 
     /// Writes what all passes of the frame read.
     pub(super) fn write_frame(&mut self, gpu: &Gpu, frame: &Frame) -> Result<()> {
-        let textured = match self.of {
-            (Model::EmissionAbsorption, Integral::Texture) => {
-                Some(Textured::new(frame.pieces, frame.dataset.diagonal_world())?)
-            }
-            _ => None,
-        };
-        let texture = textured.as_ref().map(Textured::texture);
-        let uniform = FrameUniform::new(frame.view, frame.pieces, texture);
+        let (pieces, diagonal_world) = (piece_records(frame.pieces), frame.dataset.diagonal_world());
+        let is_bound = self
+            .bound
+            .as_ref()
+            .is_some_and(|bound| bound.pieces == pieces && bound.diagonal_world.total_cmp(&diagonal_world).is_eq());
+        if !is_bound {
+            let textured = match self.of {
+                (Model::EmissionAbsorption, Integral::Texture) => Some(Textured::new(frame.pieces, diagonal_world)?),
+                _ => None,
+            };
+            let texture = textured.as_ref().map(Textured::texture);
+            self.bind(gpu, &pieces, texture.map_or(&[0.0], OpacityTexture::texels));
+            self.bound = Some(Bound { pieces, diagonal_world, texels: texture.map(Texels::of).unwrap_or_default() });
+        }
+        let texels = self.bound.as_ref().map_or(Texels::default(), |bound| bound.texels);
+        let uniform = FrameUniform::new(frame.view, frame.pieces, texels);
         gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
-        let pieces = piece_records(frame.pieces);
-        let pieces = buffer_of(gpu, "pieces", BufferUsages::STORAGE, bytemuck::cast_slice(&pieces));
-        // A binding is never empty.
-        let texels = texture.map_or(&[0.0][..], |texture| texture.texels());
+        Ok(())
+    }
+
+    /// Binds pieces and texels; neither is empty.
+    fn bind(&mut self, gpu: &Gpu, pieces: &[PieceRecord], texels: &[f32]) {
+        let pieces = buffer_of(gpu, "pieces", BufferUsages::STORAGE, bytemuck::cast_slice(pieces));
         let texels = buffer_of(gpu, "opacity texture", BufferUsages::STORAGE, bytemuck::cast_slice(texels));
         self.frame_binding = Some(gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("frame"),
             layout: &self.frame_layout,
             entries: &[entry(0, &self.frame), entry(1, &pieces), entry(2, &texels)],
         }));
-        Ok(())
     }
 
     /// Makes sure that fans can be drawn, with planes among them or without.
@@ -190,7 +210,7 @@ impl Pipelines {
             entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(accumulated) }],
         });
         let load = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
-        let mut pass = begin(encoder, "resolve", picture, load, timestamps.and_then(Timestamps::of_pass));
+        let mut pass = begin(encoder, "resolve", picture, load, timestamps.map(Timestamps::of_picture));
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, self.frame_binding.as_ref(), &[]);
         pass.set_bind_group(1, &binding, &[]);

@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use crossbeam_channel::{Receiver, Sender, unbounded};
+use crossbeam_channel::{Receiver, Sender, bounded};
 use wgpu::{BufferUsages, BufferViewMut, Features, MapMode};
 
 use super::Gpu;
@@ -50,7 +50,8 @@ impl Ring {
         let most = SLOT_BYTES_MAX.min(limits.max_storage_buffer_binding_size).min(limits.max_buffer_size);
         let fan = size_of::<Fan>() as u64;
         let capacity = ((bytes / (Self::SLOTS as u64 * copies)).min(most) / fan).max(FANS_MIN);
-        let free = unbounded();
+        // Room for all slots and the news that none will come: nobody ever waits to send.
+        let free = bounded(Self::SLOTS + 1);
         let slots = (0..Self::SLOTS).map(|i| {
             let buffer = |label, usage, mapped_at_creation| {
                 device.create_buffer(&wgpu::BufferDescriptor {
@@ -74,7 +75,6 @@ impl Ring {
                     resource: on_device.as_ref().unwrap_or(&mapped).as_entire_binding(),
                 }],
             });
-            // The channel has no bound of its own: no more than the slots are ever in it.
             let _ = free.0.send(Some(i));
             Slot { mapped, on_device, binding }
         });

@@ -6,7 +6,7 @@ use wgpu::{BufferUsages, Features};
 
 use super::Gpu;
 
-/// Passes that are timed; of a frame with more, these and what they are of the whole.
+/// Passes that are timed, the last of them the one that makes the picture. Of a frame with more, these stand for all.
 const PASSES: u32 = 1024;
 /// Bytes of a timestamp.
 const BYTES: u64 = 8;
@@ -18,6 +18,8 @@ pub(super) struct Timestamps {
     read: wgpu::Buffer,
     nanoseconds_per_tick: f64,
     used: u32,
+    /// Passes that draw fans, timed or not.
+    drawn: u32,
 }
 
 impl Timestamps {
@@ -39,26 +41,34 @@ impl Timestamps {
             read: buffer(BufferUsages::COPY_DST | BufferUsages::MAP_READ),
             nanoseconds_per_tick: f64::from(gpu.queue.get_timestamp_period()),
             used: 0,
+            drawn: 0,
         })
     }
 
     /// Begins a frame.
     pub(super) fn begin(&mut self) {
-        self.used = 0;
+        (self.used, self.drawn) = (0, 0);
     }
 
-    /// What times the next pass; none beyond those that are timed.
-    pub(super) fn of_pass(&mut self) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
-        if self.used == PASSES {
-            return None;
-        }
+    /// What times the next pass that draws fans; none beyond those that are timed.
+    pub(super) fn of_fans(&mut self) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+        self.drawn += 1;
+        (self.drawn < PASSES).then(|| self.of_pass())
+    }
+
+    /// What times the pass that makes the picture.
+    pub(super) fn of_picture(&mut self) -> wgpu::RenderPassTimestampWrites<'_> {
+        self.of_pass()
+    }
+
+    fn of_pass(&mut self) -> wgpu::RenderPassTimestampWrites<'_> {
         let first = 2 * self.used;
         self.used += 1;
-        Some(wgpu::RenderPassTimestampWrites {
+        wgpu::RenderPassTimestampWrites {
             query_set: &self.queries,
             beginning_of_pass_write_index: Some(first),
             end_of_pass_write_index: Some(first + 1),
-        })
+        }
     }
 
     /// Makes the frame's times readable, once `encoder` has run.
@@ -72,7 +82,7 @@ impl Timestamps {
         self.read.map_async(wgpu::MapMode::Read, .., |_| {});
     }
 
-    /// What the frame's passes took, the last one apart.
+    /// What the frame's fans took, and its picture.
     pub(super) fn times(&self) -> Option<(Duration, Duration)> {
         let bytes = self.read.get_mapped_range(..u64::from(2 * self.used) * BYTES).ok()?;
         let (ticks, _) = bytes.as_chunks::<16>();
@@ -82,9 +92,10 @@ impl Timestamps {
             passes.push(tick(&pair[8..]).saturating_sub(tick(&pair[..8])));
         }
         let time = |ticks: u64| Duration::from_nanos((ticks as f64 * self.nanoseconds_per_tick) as u64);
-        let last = passes.pop().unwrap_or_default();
+        let picture = passes.pop().unwrap_or_default();
+        let share = f64::from(self.drawn) / passes.len().max(1) as f64;
         drop(bytes);
         self.read.unmap();
-        Some((time(passes.iter().sum()), time(last)))
+        Some((time(passes.iter().sum()).mul_f64(share), time(picture)))
     }
 }
