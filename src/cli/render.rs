@@ -103,6 +103,7 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         peak_rss_bytes: peak_rss_bytes(),
         memory_bytes: arguments.memory,
     };
+    backend.say();
     summary.say(&stats);
     if frames.are_blank {
         tracing::warn!(

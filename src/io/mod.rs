@@ -76,6 +76,18 @@ pub fn open_mesh(path: &Path) -> Result<UnstructuredMesh> {
 ///
 /// # Errors
 /// Those of [`open_mesh`], and [`Error::Io`] where a nameless file cannot be written.
+///
+/// ```
+/// use cellfan::{generate, io};
+/// let mesh = generate::tets(&generate::Settings { cells: 750, ..Default::default() })?;
+/// let folder = tempfile::tempdir().unwrap();
+/// let path = folder.path().join("mesh.vtu");
+/// io::write_vtu(&path, &io::UnstructuredMesh::from_tets(&mesh), io::Compression::Zlib)?;
+/// let scratch = io::Scratch::in_folder(folder.path(), 0); // no column may stay in memory
+/// let tets = io::open_mesh_in(&path, &scratch)?.into_tets_in(&scratch)?.tets;
+/// assert_eq!((tets.len(), tets.owned_bytes()), (750, 0));
+/// # Ok::<(), cellfan::Error>(())
+/// ```
 pub fn open_mesh_in(path: &Path, scratch: &Scratch) -> Result<UnstructuredMesh> {
     if path.is_dir() {
         let advice = "name a file in it".to_owned();

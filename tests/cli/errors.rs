@@ -90,7 +90,7 @@ fn no_device_is_2() {
     assert_eq!(place.names(), ["mesh.vtu"]);
     place.render("-o out.png --backend cpu").succeeds();
     let ran = place.render("-o out.png --backend auto").succeeds();
-    assert!(!cfg!(feature = "gpu") || ran.err.contains("drawing on the CPU: no driver"), "{}", ran.err);
+    assert!(!cfg!(feature = "gpu") || ran.err.contains("drawn on the CPU: no driver"), "{}", ran.err);
 }
 
 #[test]

@@ -211,9 +211,14 @@ impl GpuCompositor {
         let size_px = frame.view.size_px;
         if self.targets.as_ref().is_none_or(|(targets, ..)| targets.size_px != size_px) {
             let [width, height] = size_px;
-            let limit = gpu.device.limits().max_texture_dimension_2d;
-            if width.max(height) > limit {
-                let problem = format!("{width}x{height}; {} draws at most {limit} pixels a side", gpu.adapter());
+            let limits = gpu.device.limits();
+            let side = limits.max_texture_dimension_2d;
+            if width.max(height) > side || Readback::bytes(size_px) > limits.max_buffer_size {
+                let problem = format!(
+                    "{width}x{height}; {} draws at most {side} pixels a side, {} in all",
+                    gpu.adapter(),
+                    limits.max_buffer_size / Readback::PIXEL as u64
+                );
                 return Err(Error::Option { option: "--size", problem });
             }
             let picture = u64::from(width) * u64::from(height) * BYTES_PER_PIXEL;

@@ -7,9 +7,6 @@ use super::accumulate::Targets;
 use crate::error::Result;
 use crate::image::Image;
 
-/// Bytes of a pixel.
-const PIXEL: usize = 16;
-
 /// A buffer that pictures of one size are copied into.
 pub(super) struct Readback {
     buffer: wgpu::Buffer,
@@ -19,15 +16,27 @@ pub(super) struct Readback {
 }
 
 impl Readback {
-    pub(super) fn new(gpu: &Gpu, [width, height]: [u32; 2]) -> Self {
-        let row = (width * PIXEL as u32).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    /// Bytes of a pixel.
+    pub(super) const PIXEL: usize = 16;
+
+    /// Bytes from row to row of pictures `width` pixels wide.
+    fn row(width: u32) -> u32 {
+        (width * Self::PIXEL as u32).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT)
+    }
+
+    /// Bytes of a picture.
+    pub(super) fn bytes([width, height]: [u32; 2]) -> u64 {
+        u64::from(Self::row(width)) * u64::from(height)
+    }
+
+    pub(super) fn new(gpu: &Gpu, size_px: [u32; 2]) -> Self {
         let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("picture, read back"),
-            size: u64::from(row) * u64::from(height),
+            size: Self::bytes(size_px),
             usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
             mapped_at_creation: false,
         });
-        Self { buffer, size_px: [width, height], row }
+        Self { buffer, size_px, row: Self::row(size_px[0]) }
     }
 
     /// Copies the picture, once `encoder` has run.
@@ -49,7 +58,7 @@ impl Readback {
         let mut image = Image::filled(width, height, [0.0; 4]);
         let rows = image.pixels.par_chunks_mut(width as usize).zip(view.par_chunks(self.row as usize));
         rows.for_each(|(pixels, bytes)| {
-            bytemuck::cast_slice_mut(pixels).copy_from_slice(&bytes[..width as usize * PIXEL]);
+            bytemuck::cast_slice_mut(pixels).copy_from_slice(&bytes[..width as usize * Self::PIXEL]);
         });
         drop(view);
         self.buffer.unmap();

@@ -17,6 +17,17 @@ pub(super) struct Backend {
     gpu_memory_bytes: u64,
     #[cfg(feature = "gpu")]
     may_fall_back: bool,
+    /// What was chosen and why; empty where the user chose the processor.
+    note: String,
+}
+
+impl Backend {
+    /// Says what drew, and why.
+    pub(super) fn say(&self) {
+        if !self.note.is_empty() {
+            tracing::info!("{}", self.note);
+        }
+    }
 }
 
 #[cfg(feature = "gpu")]
@@ -25,22 +36,30 @@ impl Backend {
     pub(super) fn choose(arguments: &Arguments) -> cellfan::Result<Self> {
         let gpu_memory_bytes = arguments.gpu_memory.unwrap_or(GpuCompositor::MEMORY_BYTES);
         let may_fall_back = arguments.backend == Wanted::Auto;
+        let mut note = String::new();
         let gpu = match arguments.backend {
             Wanted::Cpu => None,
             Wanted::Gpu => {
                 if let Some(problem) = needs_processor(arguments) {
-                    return Err(Error::Option { option: "--backend gpu", problem: problem.to_owned() });
+                    let problem = format!("{problem}; leave one of both out");
+                    return Err(Error::Option { option: "--backend gpu", problem });
                 }
                 Some(Gpu::open(arguments.adapter.as_deref())?)
             }
-            Wanted::Auto => find_gpu(arguments),
+            Wanted::Auto => match find_gpu(arguments) {
+                Ok(gpu) => Some(gpu),
+                Err(reason) => {
+                    note = format!("drawn on the CPU: {reason}");
+                    None
+                }
+            },
         };
         if let Some(gpu) = &gpu {
             let depth =
                 if gpu.blends_in_32_bits() { "" } else { ", which blends in 16 bits only: pictures are less exact" };
-            tracing::info!("drawing on {}{depth}", gpu.adapter());
+            note = format!("drawn on {}{depth}", gpu.adapter());
         }
-        Ok(Self { gpu, gpu_memory_bytes, may_fall_back })
+        Ok(Self { gpu, gpu_memory_bytes, may_fall_back, note })
     }
 
     pub(super) fn renderer(&self, options: RenderOptions) -> Renderer {
@@ -61,6 +80,7 @@ impl Backend {
         match renderer.render(scene, camera) {
             Err(error) if error.is_device() && self.may_fall_back && self.gpu.is_some() => {
                 tracing::warn!("{error}; drawing on the CPU instead");
+                self.note.clear();
                 self.gpu = None;
                 *renderer = Renderer::new(options);
                 renderer.render(scene, camera)
@@ -82,33 +102,27 @@ impl Backend {
 #[cfg(feature = "gpu")]
 fn needs_processor(arguments: &Arguments) -> Option<&'static str> {
     if arguments.sort == SortMethod::Exact {
-        return Some("--sort exact checks every fragment, which a GPU does not; leave one of both out");
+        return Some("--sort exact checks every fragment, which a GPU does not");
     }
     if arguments.memory.is_some() {
-        return Some("--memory is kept on the CPU only; on a GPU say --gpu-memory");
+        return Some("--memory is kept on the CPU only (a GPU has --gpu-memory)");
     }
-    (arguments.cpu_method == CpuMethod::Fans).then_some("--cpu-method is about the CPU; leave one of both out")
+    (arguments.cpu_method == CpuMethod::Fans).then_some("--cpu-method fans is the CPU's")
 }
 
 /// A real GPU, or why there is none.
 #[cfg(feature = "gpu")]
-fn find_gpu(arguments: &Arguments) -> Option<Gpu> {
+fn find_gpu(arguments: &Arguments) -> Result<Gpu, String> {
     if let Some(reason) = needs_processor(arguments) {
-        tracing::debug!("drawing on the CPU: {reason}");
-        return None;
+        return Err(reason.to_owned());
     }
     let found = adapters();
     let gpu = found.iter().find(|adapter| adapter.is_gpu || arguments.adapter.is_some());
-    let reason = match (gpu, found.first()) {
-        (Some(_), _) => match Gpu::open(arguments.adapter.as_deref()) {
-            Ok(gpu) => return Some(gpu),
-            Err(error) => error.to_string(),
-        },
-        (None, Some(first)) => format!("{first} is no real GPU (--backend gpu draws on it)"),
-        (None, None) => "no driver for a GPU was found".to_owned(),
-    };
-    tracing::info!("drawing on the CPU: {reason}");
-    None
+    match (gpu, found.first()) {
+        (Some(_), _) => Gpu::open(arguments.adapter.as_deref()).map_err(|error| error.to_string()),
+        (None, Some(first)) => Err(format!("{first} is no real GPU (--backend gpu draws on it)")),
+        (None, None) => Err("no driver for a GPU was found".to_owned()),
+    }
 }
 
 #[cfg(not(feature = "gpu"))]
@@ -120,7 +134,7 @@ impl Backend {
             let problem = "this program was built without GPUs; build it with --features gpu, or say --backend cpu";
             return Err(cellfan::Error::NoDevice { problem: problem.to_owned() });
         }
-        Ok(Self {})
+        Ok(Self { note: String::new() })
     }
 
     pub(super) fn renderer(&self, options: RenderOptions) -> Renderer {
@@ -167,7 +181,8 @@ mod tests {
         for adapter in adapters() {
             for may_fall_back in [true, false] {
                 let gpu = Gpu::open(Some(&adapter.name)).unwrap();
-                let mut backend = Backend { gpu: Some(gpu.clone()), gpu_memory_bytes: 1 << 26, may_fall_back };
+                let mut backend =
+                    Backend { gpu: Some(gpu.clone()), gpu_memory_bytes: 1 << 26, may_fall_back, note: String::new() };
                 let mut renderer = backend.renderer(options);
                 backend.render(&mut renderer, options, &scene, &camera).unwrap();
                 assert_eq!(backend.name(), "gpu");
