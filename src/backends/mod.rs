@@ -63,7 +63,7 @@ pub struct Counts {
     pub culled_outside: u64,
     /// Cells with a value that is not finite.
     pub invalid: u64,
-    /// Cells by [`ProjectionClass`](crate::stages::classify::ProjectionClass), where classified.
+    /// Cells by [`ProjectionClass`], where classified.
     pub by_class: [u64; 5],
     /// Triangles rasterised.
     pub triangles: u64,
