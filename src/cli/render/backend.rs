@@ -78,7 +78,7 @@ impl Backend {
         camera: &Camera,
     ) -> cellfan::Result<Rendered> {
         match renderer.render(scene, camera) {
-            Err(error) if error.is_device() && self.may_fall_back && self.gpu.is_some() => {
+            Err(error) if self.may_fall_back && self.gpu.is_some() && is_of_the_gpu(&error) => {
                 tracing::warn!("{error}; drawing on the CPU instead");
                 self.note.clear();
                 self.gpu = None;
@@ -96,6 +96,12 @@ impl Backend {
     pub(super) fn adapter(&self) -> Option<String> {
         self.gpu.as_ref().map(|gpu| gpu.adapter().to_string())
     }
+}
+
+/// Whether the processor may succeed: the device fails, or the picture is too large for it.
+#[cfg(feature = "gpu")]
+fn is_of_the_gpu(error: &Error) -> bool {
+    error.is_device() || matches!(error, Error::Option { option: "--size" | "--gpu-memory", .. })
 }
 
 /// What only the processor can do.
