@@ -282,3 +282,38 @@ fn a_device_that_is_gone_is_an_error() {
         }
     }
 }
+
+/// Adapters of discrete GPUs are fed through staging buffers, and some blend in 16 bits only: a device without the features shows both.
+#[test]
+fn a_device_without_features_draws_through_copies_and_in_16_bits() {
+    let case = Case::new(random_delaunay(20_000), "value");
+    let (scene, camera) = (scene(&case, &smooth()), frame_unit_cube(20.0, 30.0, 64, 64));
+    if gpus("a_device_without_features_draws_through_copies_and_in_16_bits").is_empty() {
+        return;
+    }
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    for adapter in pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all())) {
+        let open = |required_features| {
+            let required_limits = adapter.limits();
+            let descriptor =
+                wgpu::DeviceDescriptor { required_features, required_limits, ..wgpu::DeviceDescriptor::default() };
+            let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).unwrap();
+            Gpu::from_device(device, queue)
+        };
+        let options = RenderOptions { sort: SortMethod::Power, ..RenderOptions::default() };
+        // Copies change nothing; 64 KiB beside the picture make many slices.
+        let [mapped, copied] = [wgpu::Features::MAPPABLE_PRIMARY_BUFFERS, wgpu::Features::empty()].map(|more| {
+            let features = (wgpu::Features::FLOAT32_BLENDABLE | more) & adapter.features();
+            let mut renderer = Renderer::on_gpu(options, open(features), 64 * 64 * 48 + (1 << 16));
+            renderer.render(&scene, &camera).unwrap().image
+        });
+        assert!(mapped.covered([0.0; 4]) > 1000 && mapped.pixels == copied.pixels);
+
+        let half = open(wgpu::Features::empty());
+        assert!(!half.blends_in_32_bits());
+        let image = draw(&half, options, &scene, &camera);
+        let parity = Parity::of(&mapped, &image, 0.0);
+        println!("16 bits: {parity:?}");
+        assert!(parity.mean > 1e-6 && parity.mean < 1e-2, "{parity:?}");
+    }
+}
