@@ -1,11 +1,11 @@
 // From fans (src/stages/fans.rs) to segments of rays.
 
-// A Fan, or a PlaneFan (src/stages/fans/planes.rs) in its room, as words:
-//   Fan       thick x y, s min max | front v q, back v q | four times ring x y v q
-//   PlaneFan  box columns rows, s max min | v min max, constant, fronts | four times plane c x y, varying c x y 0
 // Whether a draw may have PlaneFans: shaders that need not know them are faster.
 override HAS_PLANES: bool = true;
 
+// A Fan, or a PlaneFan (src/stages/fans/planes.rs) in its room, as words:
+//   Fan       thick x y, s min max | front v q, back v q | four times ring x y v q
+//   PlaneFan  box columns rows, s max min | v min max, constant, fronts | four times plane c x y, varying c x y 0
 struct Fan {
     words: array<vec4<u32>, 6>,
 }

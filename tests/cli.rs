@@ -8,6 +8,9 @@ mod errors;
 #[cfg(feature = "gpu")]
 #[path = "cli/gpu.rs"]
 mod gpu;
+#[cfg(feature = "gpu")]
+#[path = "common/gpus.rs"]
+mod gpus;
 #[path = "cli/interrupted.rs"]
 mod interrupted;
 #[path = "cli/memory.rs"]

@@ -37,11 +37,6 @@ impl ProjectionClass {
     pub fn triangles(self) -> usize {
         [0, 3, 4, 2, 1][self as usize]
     }
-
-    /// Vertices of its fan: the thick vertex and the ring around it, which is closed in classes 1 and 2.
-    pub fn fan_vertices(self) -> usize {
-        [0, 5, 6, 4, 3][self as usize]
-    }
 }
 
 /// A classified cell: `roles` lists its vertices (0 to 3) in the order in which the class uses them.

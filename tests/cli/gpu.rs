@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::common::gpus::gpus;
+use super::gpus::gpus;
 use super::{Place, Ran};
 
 /// Runs `render mesh.vtu` with the drivers of this machine.

@@ -1,9 +1,5 @@
 //! What the integration tests share.
 
-#[cfg(feature = "gpu")]
-#[allow(dead_code, unused_imports, reason = "not every test binary draws on a GPU")]
-pub(crate) mod gpus;
-
 use std::io::Write;
 use std::path::PathBuf;
 

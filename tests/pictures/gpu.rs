@@ -12,7 +12,7 @@ use glam::DVec3;
 
 use crate::check::Case;
 use crate::common::data_folder;
-use crate::common::gpus::gpus;
+use crate::gpus::gpus;
 use crate::meshes::{frame_unit_cube, grid, random_delaunay, smooth, stepped, three_views};
 use crate::parity::{Parity, miss};
 

@@ -11,6 +11,9 @@ mod determinism;
 mod golden;
 #[cfg(feature = "gpu")]
 mod gpu;
+#[cfg(feature = "gpu")]
+#[path = "../common/gpus.rs"]
+mod gpus;
 mod hostile;
 mod meshes;
 mod monoid;

@@ -72,7 +72,7 @@ pub(super) fn module(device: &wgpu::Device, label: &str, text: String) -> wgpu::
     if cfg!(debug_assertions) {
         return device.create_shader_module(descriptor);
     }
-    // SAFETY: the text is this crate's own. Every index into `fans` comes from an index list and an instance range made for the
+    // SAFETY: the text is this crate's own. Every index into `fans` comes from an index list and a base vertex made for the
     // bound buffer, pieces and texels are found by searches that `piece_count` and `texels` bound, and every loop ends; the same
     // shaders run with all checks in tests.
     unsafe { device.create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked()) }
