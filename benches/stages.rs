@@ -15,7 +15,7 @@ use cellfan::optics::integral::segment_weights_average;
 use cellfan::optics::{CullTable, LANES, Pieces, SegmentWeights, segment_weights, segment_weights_thin};
 use cellfan::stages::classify::classify;
 use cellfan::stages::cull::{Culled, cull};
-use cellfan::stages::fans::{self, Fan, FanInput, NearCells};
+use cellfan::stages::fans::{self, Fan, FanInput, PlanesFor};
 use cellfan::stages::footprints::planes::{Batch, Corners, TileRays};
 use cellfan::stages::footprints::{PixelBox, PixelBoxes};
 use cellfan::stages::project::{project, scene_vertices};
@@ -196,7 +196,7 @@ fn bench_sort(criterion: &mut Criterion) {
 
 fn bench_fans(criterion: &mut Criterion) {
     let seen = Seen::new(Kind::Delaunay);
-    let input = FanInput::new(&seen.view, &seen.mesh.dataset, &seen.vertices, &seen.screen, None, NearCells::Planes);
+    let input = FanInput::new(&seen.view, &seen.mesh.dataset, &seen.vertices, &seen.screen, None, PlanesFor::NearCells);
     let cells: Vec<u32> = (0..seen.cells() as u32).collect();
     let mut group = criterion.benchmark_group("stage/fans");
     let mut memory = vec![Fan::default(); fans::count(&input, &cells)];
@@ -204,6 +204,14 @@ fn bench_fans(criterion: &mut Criterion) {
     let mut stage = || fans::write(&input, &cells, &mut &mut memory[..]);
     stage();
     group.bench_function("write", |b| b.iter(&mut stage));
+    let planes =
+        FanInput::new(&seen.view, &seen.mesh.dataset, &seen.vertices, &seen.screen, None, PlanesFor::AllCells);
+    let mut as_planes = memory.clone();
+    group.bench_function("planes", |b| b.iter(|| fans::write(&planes, &cells, &mut &mut as_planes[..])));
+    // Their values are told from those of fans by a range that runs down; slivers have fans.
+    let is_planes = |fan: &&Fan| fan.s_range[0] > fan.s_range[1];
+    let share = as_planes.iter().filter(is_planes).count() as f64 / cells.len() as f64;
+    assert!(share > 0.9, "{share} of the cells are planes");
 
     // Each ray that enters leaves once: fans cover half the area of the projected faces.
     let area = |[a, b, c]: [glam::Vec2; 3]| 0.5 * f64::from((b - a).perp_dot(c - a).abs());
@@ -258,7 +266,7 @@ fn bench_footprints(criterion: &mut Criterion) {
 
     let rays = TileRays::new(&seen.view, SIDE_PX / 2, SIDE_PX / 2, 32);
     let dataset = &seen.mesh.dataset;
-    let (mut corners, mut batch) = (Corners::default(), Batch::default());
+    let (mut corners, mut batch) = (Corners::<LANES>::default(), Batch::default());
     throughput(&mut group, seen.cells(), 16 + 4 * size_of::<SceneVertex>() + size_of::<Batch>() / LANES);
     let tets: Vec<[u32; 4]> = dataset.tets.iter().collect();
     let mut stage = || {

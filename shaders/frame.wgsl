@@ -17,6 +17,9 @@ struct Frame {
     texels: u32,
     texels_per_length: f32,
     texels_per_extinction: f32,
+    // Maxima are accumulated as (s - s_middle) · s_scale: 0 and 1, or what fits 16 bits.
+    s_middle: f32,
+    s_scale: f32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

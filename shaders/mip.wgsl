@@ -6,5 +6,5 @@ fn fragment(in: Fragment) -> @location(0) vec4<f32> {
     if !(ray.length_world > 0.0) {
         return vec4<f32>(-LARGEST, 0.0, 0.0, 0.0);
     }
-    return vec4<f32>(max(ray.enter, ray.leave), 0.0, 0.0, 1.0);
+    return vec4<f32>((max(ray.enter, ray.leave) - frame.s_middle) * frame.s_scale, 0.0, 0.0, 1.0);
 }

@@ -35,5 +35,6 @@ fn mip(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     if largest.a == 0.0 {
         return vec4<f32>(0.0);
     }
-    return vec4<f32>(color_at(piece_of(largest.r), largest.r), 1.0);
+    let s = largest.r / frame.s_scale + frame.s_middle;
+    return vec4<f32>(color_at(piece_of(s), s), 1.0);
 }

@@ -10,7 +10,7 @@ use super::{Counts, Frame};
 use crate::profile::Profile;
 use crate::stages::ScreenVertex;
 use crate::stages::cull;
-use crate::stages::fans::{self, FanInput, FanSlot, NearCells};
+use crate::stages::fans::{self, FanInput, FanSlot, PlanesFor};
 use crate::stages::footprints::PixelBoxes;
 use crate::stages::project::project;
 use crate::stages::sort::KeyMaker;
@@ -62,8 +62,8 @@ impl DrawOrder {
     }
 
     /// What the fans of the frame are made from.
-    pub(super) fn fan_input<'a>(&'a self, frame: &Frame<'a>, near_cells: NearCells) -> FanInput<'a> {
-        FanInput::new(frame.view, frame.dataset, frame.vertices, &self.screen, frame.cell_values(), near_cells)
+    pub(super) fn fan_input<'a>(&'a self, frame: &Frame<'a>, planes_for: PlanesFor) -> FanInput<'a> {
+        FanInput::new(frame.view, frame.dataset, frame.vertices, &self.screen, frame.cell_values(), planes_for)
     }
 
     /// Slices of at most `fans` fans, farthest first: nearest first is the order of the keys, blending wants the farthest first.

@@ -94,21 +94,23 @@ impl FanSlot for &mut [Fan] {
     }
 }
 
-/// How cells are drawn that the near plane cuts.
+/// Which cells are drawn as a [`PlaneFan`] each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NearCells {
-    /// Cut into up to three tetrahedra behind it, each with a fan.
-    Cut,
-    /// As a [`PlaneFan`] each; so are cells with vertices far outside the picture,
-    /// where a rasteriser's rounding grows with the size of the triangle.
-    Planes,
+pub enum PlanesFor {
+    /// None: cells across the near plane are cut into up to three tetrahedra behind it, each with a fan.
+    NoCells,
+    /// Cells across the near plane, and those with vertices far outside the picture, where a rasteriser's rounding grows with
+    /// the size of the triangle.
+    NearCells,
+    /// All but slivers whose values are better interpolated over a fan.
+    AllCells,
 }
 
 /// What fans are made from.
 #[derive(Clone, Copy)]
 pub struct FanInput<'a> {
     view: &'a View,
-    near_cells: NearCells,
+    planes_for: PlanesFor,
     dataset: &'a Dataset,
     vertices: &'a [SceneVertex],
     screen: &'a [ScreenVertex],
@@ -132,11 +134,11 @@ impl<'a> FanInput<'a> {
         vertices: &'a [SceneVertex],
         screen: &'a [ScreenVertex],
         cell_values: Option<&'a [f32]>,
-        near_cells: NearCells,
+        planes_for: PlanesFor,
     ) -> Self {
         let projection = view.projection();
         let mut input =
-            Self { view, near_cells, dataset, vertices, screen, cell_values, projection, has_near_cells: false };
+            Self { view, planes_for, dataset, vertices, screen, cell_values, projection, has_near_cells: false };
         input.has_near_cells = screen.par_iter().with_min_len(1 << 14).any(|vertex| input.is_near(vertex));
         input
     }
@@ -148,17 +150,21 @@ impl<'a> FanInput<'a> {
         let [width, height] = self.view.size_px.map(|side| side as f32);
         let is_far_outside =
             || (vertex.x_px - 0.5 * width).abs() > width || (vertex.y_px - 0.5 * height).abs() > height;
-        vertex.depth < self.view.near || (self.near_cells == NearCells::Planes && is_far_outside())
+        vertex.depth < self.view.near || (self.planes_for != PlanesFor::NoCells && is_far_outside())
     }
 
     /// Whether there may be [`PlaneFan`]s among the fans.
     pub fn may_have_planes(&self) -> bool {
-        self.has_near_cells && self.near_cells == NearCells::Planes
+        match self.planes_for {
+            PlanesFor::NoCells => false,
+            PlanesFor::NearCells => self.has_near_cells,
+            PlanesFor::AllCells => true,
+        }
     }
 
     /// No cell has more fans than this.
     pub fn fans_per_cell_max(&self) -> usize {
-        if self.has_near_cells && self.near_cells == NearCells::Cut { 3 } else { 1 }
+        if self.has_near_cells && self.planes_for == PlanesFor::NoCells { 3 } else { 1 }
     }
 
     /// The projected corners of a cell, and its scalars.
@@ -193,6 +199,7 @@ impl<'a> FanInput<'a> {
     }
 
     /// The parts of a cell that lie behind the near plane.
+    #[cold]
     fn of_cut_cell(&self, cell: u32) -> CellFans {
         let (projected, scalars) = self.corners(cell);
         let corners = self.dataset.tets.get(cell as usize).map(|v| self.vertices[v as usize].position);
@@ -212,30 +219,29 @@ impl<'a> FanInput<'a> {
         parts[..count].iter().map(of_part).collect()
     }
 
-    /// A cell as its planes.
-    fn of_planes(&self, cell: u32) -> Fan {
+    /// A cell as its planes; none for a sliver behind the near plane, which has a fan.
+    fn of_planes(&self, cell: u32, is_near: bool) -> Option<Fan> {
         let tet = self.dataset.tets.get(cell as usize);
         let Some(pixels) = PixelBoxes::new(self.view).of_cell(tet, self.vertices, self.screen) else {
-            return Fan::default();
+            return Some(Fan::default());
         };
         let constant = self.cell_values.map(|values| values[cell as usize]);
         let is_positive = self.dataset.positive.get(cell as usize);
-        bytemuck::cast(PlaneFan::new(self.view, pixels, (tet, is_positive), self.vertices, constant))
-    }
-
-    #[cold]
-    fn of_near_cell(&self, cell: u32) -> CellFans {
-        match self.near_cells {
-            NearCells::Cut => self.of_cut_cell(cell),
-            NearCells::Planes => std::iter::once((None, self.of_planes(cell))).collect(),
-        }
+        let (fan, is_steep) = PlaneFan::new(self.view, pixels, (tet, is_positive), self.vertices, constant);
+        (is_near || !is_steep).then(|| bytemuck::cast(fan))
     }
 
     /// The fans of `cell`.
     #[inline]
     fn of_cell(&self, cell: u32) -> CellFans {
-        if self.is_near_cell(cell) {
-            return self.of_near_cell(cell);
+        let is_near = self.is_near_cell(cell);
+        if is_near && self.planes_for == PlanesFor::NoCells {
+            return self.of_cut_cell(cell);
+        }
+        if (is_near || self.planes_for == PlanesFor::AllCells)
+            && let Some(fan) = self.of_planes(cell, is_near)
+        {
+            return std::iter::once((None, fan)).collect();
         }
         let (projected, scalars) = self.corners(cell);
         let (class, fan) = self.of_corners(projected, scalars, self.dataset.positive.get(cell as usize));

@@ -14,7 +14,7 @@ use crate::image::Image;
 use crate::optics::{CellSpan, LANES, Optics, Segments};
 use crate::profile::Profile;
 use crate::stages::View;
-use crate::stages::fans::{Fan, NearCells};
+use crate::stages::fans::{Fan, PlanesFor};
 
 /// Fans that are in memory at once.
 const SLICE: usize = 1 << 16;
@@ -34,7 +34,7 @@ impl FanCompositor {
         let mut counts = self.order.find(frame, O::IS_ORDERED, profile);
         let [width, height] = frame.view.size_px;
         let mut image = Image::filled(width, height, O::CLEAR);
-        let input = self.order.fan_input(frame, NearCells::Cut);
+        let input = self.order.fan_input(frame, PlanesFor::NoCells);
         for slice in self.order.slices(&input, SLICE) {
             let start = Instant::now();
             self.fans.clear();

@@ -20,7 +20,7 @@ use crate::error::{Error, Result};
 use crate::image::Image;
 use crate::optics::{Integral, Model};
 use crate::profile::Profile;
-use crate::stages::fans::{Fan, NearCells};
+use crate::stages::fans::Fan;
 
 /// Draws triangle fans on a GPU; keeps its buffers, and the last draw order, between frames.
 pub struct GpuCompositor {
@@ -159,7 +159,7 @@ impl GpuCompositor {
             return Err(self.gpu.failed("has no picture"));
         };
         let (gpu, order, mut timestamps) = (&self.gpu, &self.order, self.timestamps.as_mut());
-        let input = order.fan_input(frame, NearCells::Planes);
+        let input = order.fan_input(frame, pipelines.planes_for());
         let has_planes = input.may_have_planes();
         gpu.make(|| {
             pipelines.prepare_draw(gpu, has_planes);

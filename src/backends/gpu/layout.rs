@@ -22,6 +22,9 @@ pub(super) struct FrameUniform {
     pub(super) texels: u32,
     pub(super) texels_per_length: f32,
     pub(super) texels_per_extinction: f32,
+    pub(super) s_middle: f32,
+    pub(super) s_scale: f32,
+    pub(super) pad: [u32; 2],
 }
 
 /// `Piece` of `shaders/pieces.wgsl`.
@@ -54,7 +57,7 @@ impl Texels {
 }
 
 impl FrameUniform {
-    pub(super) fn new(view: &View, pieces: &Pieces, texels: Texels) -> Self {
+    pub(super) fn new(view: &View, pieces: &Pieces, texels: Texels, (s_middle, s_scale): (f32, f32)) -> Self {
         let [width, height] = view.size_px.map(|side| side as f32);
         let world = |direction: glam::DVec3| (direction * view.world_per_scene).as_vec3().to_array();
         let (ray, step_x, step_y) = if view.is_perspective {
@@ -77,6 +80,9 @@ impl FrameUniform {
             texels: texels.side,
             texels_per_length: texels.per_length,
             texels_per_extinction: texels.per_extinction,
+            s_middle,
+            s_scale,
+            pad: [0; 2],
         }
     }
 }

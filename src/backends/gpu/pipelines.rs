@@ -8,10 +8,11 @@ use super::layout::{FrameUniform, PieceRecord, Texels, piece_records};
 use super::shaders::{self, Blend, ModelShaders};
 use super::timestamps::Timestamps;
 use crate::backends::Frame;
+use crate::columns::Field;
 use crate::error::Result;
 use crate::optics::texture::OpacityTexture;
 use crate::optics::{Integral, Model, Textured};
-use crate::stages::fans::Fan;
+use crate::stages::fans::{Fan, PlanesFor};
 
 /// Fans that one draw takes: their vertices have 16-bit numbers, relative to the draw's first.
 const FANS_PER_DRAW: usize = 1 << 13;
@@ -107,6 +108,11 @@ impl Pipelines {
         self.of == (model, integral)
     }
 
+    /// Which cells the model wants as planes.
+    pub(super) fn planes_for(&self) -> PlanesFor {
+        self.shaders.planes_for
+    }
+
     /// Writes what all passes of the frame read.
     pub(super) fn write_frame(&mut self, gpu: &Gpu, frame: &Frame) -> Result<()> {
         let (pieces, diagonal_world) = (piece_records(frame.pieces), frame.dataset.diagonal_world());
@@ -124,7 +130,8 @@ impl Pipelines {
             self.bound = Some(Bound { pieces, diagonal_world, texels: texture.map(Texels::of).unwrap_or_default() });
         }
         let texels = self.bound.as_ref().map_or(Texels::default(), |bound| bound.texels);
-        let uniform = FrameUniform::new(frame.view, frame.pieces, texels);
+        let s_middle_scale = if gpu.blends_in_32_bits() { (0.0, 1.0) } else { to_unit_interval(frame.field) };
+        let uniform = FrameUniform::new(frame.view, frame.pieces, texels, s_middle_scale);
         gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
         Ok(())
     }
@@ -216,6 +223,16 @@ impl Pipelines {
         pass.set_bind_group(1, &binding, &[]);
         pass.draw(0..3, 0..1);
     }
+}
+
+/// Middle and scale that map the stored values of `field` to −1..1.
+fn to_unit_interval(field: &Field) -> (f32, f32) {
+    let (low, high) = field
+        .block_ranges
+        .iter()
+        .fold((f32::MAX, f32::MIN), |(low, high), range| (low.min(range.0), high.max(range.1)));
+    let (middle, half) = (0.5 * low + 0.5 * high, 0.5 * high - 0.5 * low);
+    if half > f32::MIN_POSITIVE { (middle, half.recip()) } else { (middle, 1.0) }
 }
 
 /// Vertices of a fan: the thick one and the ring.

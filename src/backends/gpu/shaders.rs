@@ -4,6 +4,7 @@
 #![expect(unsafe_code, reason = "shader modules without run-time checks")]
 
 use crate::optics::{Integral, Model, wgsl};
+use crate::stages::fans::PlanesFor;
 
 macro_rules! shader {
     ($name:literal) => {
@@ -25,6 +26,8 @@ pub(super) enum Blend {
 pub(super) struct ModelShaders {
     fragment: &'static [&'static str],
     pub(super) blend: Blend,
+    /// Light that nothing dims shows every rounding, a maximum every pixel of the outline.
+    pub(super) planes_for: PlanesFor,
     /// The fragment of `resolve.wgsl` that makes the picture.
     pub(super) resolve: &'static str,
     /// What the accumulated picture begins with.
@@ -49,7 +52,11 @@ pub(super) fn of(model: Model, integral: Integral) -> ModelShaders {
         (Model::Mip, _) => (&[shader!("mip")], Blend::Max, "mip"),
     };
     let clear = if blend == Blend::Max { [f64::from(-f32::MAX), 0.0, 0.0, 0.0] } else { [0.0; 4] };
-    ModelShaders { fragment, blend, resolve, clear }
+    let planes_for = match model {
+        Model::EmissionAbsorption | Model::Absorption => PlanesFor::NearCells,
+        Model::Emission | Model::Mip => PlanesFor::AllCells,
+    };
+    ModelShaders { fragment, blend, planes_for, resolve, clear }
 }
 
 impl ModelShaders {

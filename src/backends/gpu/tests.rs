@@ -39,7 +39,7 @@ fn shaders_parse_and_read_what_rust_writes() {
             naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
         let frame = offsets!(
             FrameUniform: ndc_scale, ndc_offset, ray, is_perspective, ray_step_x, piece_count, ray_step_y, v_far,
-            v_near, texels, texels_per_length, texels_per_extinction
+            v_near, texels, texels_per_length, texels_per_extinction, s_middle, s_scale
         );
         assert_eq!(members(&module, "Frame"), frame, "{model} {integral}");
         let piece = offsets!(

@@ -1,5 +1,6 @@
-//! Cells near the eye as face planes, in the room of a fan: where vertices lie before the near plane or far outside the picture,
-//! triangles would be cut or rounded, and each fragment had better evaluate the planes itself.
+//! Cells as face planes, in the room of a fan, so that each fragment evaluates the planes itself: where vertices lie before the
+//! near plane or far outside the picture, triangles would be cut or rounded; where an optical model shows every pixel of an
+//! outline, a rasteriser's rounding of vertices would move it.
 //!
 //! In: a cell and its pixel box. Out: a [`PlaneFan`]; a rasteriser draws its box as a fan of four triangles.
 
@@ -31,25 +32,26 @@ pub struct PlaneFan {
 const _: () = assert!(size_of::<PlaneFan>() == size_of::<Fan>());
 
 impl PlaneFan {
-    /// The cell `tet` with the pixels `pixels`; `constant` is its value where it has one.
+    /// The cell `tet` with the pixels `pixels`, and whether its gradient is too steep for values by depth
+    /// ([`Batch::is_steep`]); `constant` is its value where it has one.
     pub fn new(
         view: &View,
         pixels: PixelBox,
         (tet, is_positive): ([u32; 4], bool),
         vertices: &[SceneVertex],
         constant: Option<f32>,
-    ) -> Self {
+    ) -> (Self, bool) {
         let PixelBox { x0, x1, y0, y1 } = pixels;
         let rays = TileRays::new(view, x0.into(), y0.into(), (x1 - x0).max(y1 - y0).into());
-        let mut corners = Corners::default();
+        let mut corners = Corners::<1>::default();
         corners.set(0, tet, vertices, is_positive);
         if let Some(value) = constant {
             corners.set_constant(0, value);
         }
-        let mut batch = Batch::default();
+        let mut batch = Batch::<1>::default();
         batch.set_up(&rays, &corners);
 
-        let first = |affine: &Affine| [affine.c[0], affine.x[0], affine.y[0]];
+        let first = |affine: &Affine<1>| [affine.c[0], affine.x[0], affine.y[0]];
         let (varying, constant) =
             if view.is_perspective { (&batch.slope, &batch.base) } else { (&batch.base, &batch.slope) };
         let varying = first(varying);
@@ -61,7 +63,7 @@ impl PlaneFan {
             [c, x, y, varying.get(k).copied().unwrap_or(0.0)]
         };
         let (s_min, s_max) = (batch.s_min[0], batch.s_max[0]);
-        Self {
+        let fan = Self {
             box_px: [u32::from(x0) | u32::from(x1) << 16, u32::from(y0) | u32::from(y1) << 16],
             // Apart by more than a GPU may take for 0.
             s_range: [s_max.max(s_min + s_min.abs() * 1e-6 + 1e-30), s_min],
@@ -69,7 +71,8 @@ impl PlaneFan {
             constant: constant.c[0],
             fronts: faces.iter().filter(|&&face| !is_back(face)).count() as u32,
             planes: std::array::from_fn(plane),
-        }
+        };
+        (fan, batch.is_steep[0] != 0)
     }
 }
 
@@ -91,7 +94,7 @@ mod tests {
             for cell in 0..dataset.tets.len() {
                 let tet = dataset.tets.get(cell);
                 let Some(pixels) = PixelBoxes::new(&view).of_cell(tet, &vertices, &screen) else { continue };
-                let fan = PlaneFan::new(&view, pixels, (tet, dataset.positive.get(cell)), &vertices, None);
+                let (fan, _) = PlaneFan::new(&view, pixels, (tet, dataset.positive.get(cell)), &vertices, None);
                 assert!(fan.s_range[0] > fan.s_range[1]);
                 let (x, y) = (u32::from(pixels.x0 + pixels.x1) / 2, u32::from(pixels.y0 + pixels.y1) / 2);
                 let at = [(x - u32::from(pixels.x0)) as f32, (y - u32::from(pixels.y0)) as f32];

@@ -6,7 +6,7 @@ use crate::stages::testing::{Random, corners, depths_in_cell, random_cells, ray,
 fn all_fans(dataset: &Dataset, vertices: &[SceneVertex], view: &View) -> Vec<(usize, Fan)> {
     let mut screen = Vec::new();
     project(view, vertices, &mut screen);
-    let input = FanInput::new(view, dataset, vertices, &screen, None, NearCells::Cut);
+    let input = FanInput::new(view, dataset, vertices, &screen, None, PlanesFor::NoCells);
     let mut all = Vec::new();
     for cell in 0..dataset.tets.len() as u32 {
         let mut fans = vec![Fan::default(); count(&input, &[cell])];

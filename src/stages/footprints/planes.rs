@@ -1,4 +1,4 @@
-//! Face planes and scalar gradients of sixteen cells at a time, relative to a tile.
+//! Face planes and scalar gradients of some cells at a time, sixteen unless one wants one, relative to a tile.
 //!
 //! Symbols: e the eye, d(x, y) = d₀ + x·dx + y·dy the direction of the ray of picture position (x, y) with view depth 1, n the
 //! normal (b−a)×(c−a) of a face with ascending vertices a, b, c. A point e + w·d lies on the face's plane where
@@ -16,47 +16,47 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::optics::lanes::{LANES, Mask, mask, max, min, select};
+use crate::optics::lanes::{LANES, mask, max, min, select};
 use crate::stages::classify::{FACES, OUTWARD_IF_POSITIVE};
 use crate::stages::{SceneVertex, View};
 
 /// One number per cell of a batch.
-pub type PerCell = [f32; LANES];
+pub type PerCell<const N: usize = LANES> = [f32; N];
 
 /// An affine function of the position (x, y) in a tile, per cell.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Affine {
+#[derive(Clone, Copy, Debug)]
+pub struct Affine<const N: usize = LANES> {
     /// At the tile's first pixel.
-    pub c: PerCell,
+    pub c: PerCell<N>,
     /// Change per column.
-    pub x: PerCell,
+    pub x: PerCell<N>,
     /// Change per row.
-    pub y: PerCell,
+    pub y: PerCell<N>,
 }
 
-/// The footprints of up to sixteen cells relative to a tile.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Batch {
+/// The footprints of `N` cells relative to a tile.
+#[derive(Clone, Copy, Debug)]
+pub struct Batch<const N: usize = LANES> {
     /// The inverse depth of each face's plane; face k is opposite to vertex k.
-    pub planes: [Affine; 4],
+    pub planes: [Affine<N>; 4],
     /// Bit k of entry i: face k of cell i is back-facing.
-    pub back_faces: [u32; LANES],
+    pub back_faces: [u32; N],
     /// Smallest and largest inverse depth of each cell within the view's range.
-    pub v_min: PerCell,
+    pub v_min: PerCell<N>,
     /// See `v_min`.
-    pub v_max: PerCell,
+    pub v_max: PerCell<N>,
     /// The scalar along the ray is `base(x, y) + slope(x, y)·w`.
-    pub base: Affine,
+    pub base: Affine<N>,
     /// See `base`.
-    pub slope: Affine,
+    pub slope: Affine<N>,
     /// Whether a cell's gradient is so steep that the rounding of a depth shows: its faces' own gradients are to be used.
-    pub is_steep: Mask,
+    pub is_steep: [u32; N],
     /// Smallest and largest stored value of each cell.
-    pub s_min: PerCell,
+    pub s_min: PerCell<N>,
     /// See `s_min`.
-    pub s_max: PerCell,
+    pub s_max: PerCell<N>,
     /// The pixels of the tile that each cell may cover, whole numbers: first column, column after the last, and the same for rows.
-    pub boxes: [PerCell; 4],
+    pub boxes: [PerCell<N>; 4],
 }
 
 /// The rays of one tile, in f32.
@@ -126,16 +126,45 @@ impl TileRays {
 }
 
 /// The corners of a batch of cells, one array per coordinate.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Corners {
-    x: [PerCell; 4],
-    y: [PerCell; 4],
-    z: [PerCell; 4],
-    s: [PerCell; 4],
-    positive: Mask,
+#[derive(Clone, Copy, Debug)]
+pub struct Corners<const N: usize = LANES> {
+    x: [PerCell<N>; 4],
+    y: [PerCell<N>; 4],
+    z: [PerCell<N>; 4],
+    s: [PerCell<N>; 4],
+    positive: [u32; N],
 }
 
-impl Corners {
+impl<const N: usize> Affine<N> {
+    const ZERO: Self = Self { c: [0.0; N], x: [0.0; N], y: [0.0; N] };
+}
+
+impl<const N: usize> Default for Batch<N> {
+    fn default() -> Self {
+        let zero = [0.0; N];
+        Self {
+            planes: [Affine::ZERO; 4],
+            back_faces: [0; N],
+            v_min: zero,
+            v_max: zero,
+            base: Affine::ZERO,
+            slope: Affine::ZERO,
+            is_steep: [0; N],
+            s_min: zero,
+            s_max: zero,
+            boxes: [zero; 4],
+        }
+    }
+}
+
+impl<const N: usize> Default for Corners<N> {
+    fn default() -> Self {
+        let zero = [[0.0; N]; 4];
+        Self { x: zero, y: zero, z: zero, s: zero, positive: [0; N] }
+    }
+}
+
+impl<const N: usize> Corners<N> {
     /// Puts cell `tet` in lane `lane`.
     #[inline(always)]
     pub fn set(&mut self, lane: usize, tet: [u32; 4], vertices: &[SceneVertex], is_positive: bool) {
@@ -207,30 +236,30 @@ impl FaceScalar {
     }
 }
 
-impl Batch {
+impl<const N: usize> Batch<N> {
     /// Computes the footprints of all lanes of `corners`; unused lanes hold any finite cell.
     #[inline(always)]
-    pub fn set_up(&mut self, rays: &TileRays, corners: &Corners) {
+    pub fn set_up(&mut self, rays: &TileRays, corners: &Corners<N>) {
         // A copy that nothing else can see: stores to the batch do not make the compiler read it again.
         let rays = &{ *rays };
         // One short loop per face and per concern: each becomes vector code, one long loop does not.
-        self.back_faces = [0; LANES];
+        self.back_faces = [0; N];
         for k in 0..4 {
-            for i in 0..LANES {
+            for i in 0..N {
                 self.set_up_plane(rays, k, i, corners);
             }
         }
-        for i in 0..LANES {
+        for i in 0..N {
             let (p, s) = corners.get(i);
             self.set_up_scalar(rays, i, p, s);
         }
-        for i in 0..LANES {
+        for i in 0..N {
             self.set_up_extent(rays, i, corners.get(i).0);
         }
     }
 
     #[inline(always)]
-    fn set_up_plane(&mut self, rays: &TileRays, k: usize, i: usize, corners: &Corners) {
+    fn set_up_plane(&mut self, rays: &TileRays, k: usize, i: usize, corners: &Corners<N>) {
         let (a, b, c) =
             (corners.position(FACES[k][0], i), corners.position(FACES[k][1], i), corners.position(FACES[k][2], i));
         let n = cross(b - a, c - a);
