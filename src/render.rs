@@ -343,7 +343,7 @@ fn misordered_pairs(frame: &Frame) -> u64 {
     let mut key_from_cell = Vec::new();
     for block in 0..frame.dataset.blocks.len() {
         let block = frame.dataset.block(block);
-        let cells: Vec<u32> = (0..block.tets.len() as u32).collect();
+        let cells: Vec<u32> = (0..block.len() as u32).collect();
         key_from_cell.clear();
         keys.keys(&block, frame.vertices, &cells, &mut key_from_cell);
         order.extend(key_from_cell.iter().zip(&cells).map(|(&key, &cell)| pair(key, block.base as u32 + cell)));
@@ -361,7 +361,7 @@ fn cell_stats(dataset: &Dataset, counts: &Counts, is_classified: bool) -> CellSt
         Vec::new()
     };
     CellStats {
-        total: dataset.tets.len() as u64 + file.degenerate + skipped,
+        total: dataset.cells() as u64 + file.degenerate + skipped,
         drawn: counts.drawn,
         culled_transparent: counts.culled_transparent,
         culled_outside: counts.culled_outside,

@@ -11,6 +11,7 @@ mod hexahedron;
 mod pyramid;
 mod split;
 mod tetrahedron;
+mod triangles;
 mod voxel;
 mod wedge;
 
@@ -20,6 +21,7 @@ pub use hexahedron::HEXAHEDRON;
 pub use pyramid::PYRAMID;
 pub use split::split;
 pub use tetrahedron::TETRAHEDRON;
+pub use triangles::{DIAGONALS, face_triangles, hexahedron_of};
 pub use voxel::VOXEL;
 pub use wedge::WEDGE;
 

@@ -1,11 +1,12 @@
-//! From tetrahedra in file order to a [`Dataset`]: check, re-centre, orient, drop what has no volume, order in space.
+//! From cells in file order to a [`Dataset`]: check, re-centre, orient, drop what has no volume, order in space.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::placement::{Placement, orientation_of};
-use super::spatial_order::{self, UNUSED};
-use super::{Array, Association, Block, Bounds, CellCounts, Column, Dataset};
+use super::spatial_order::{self, Numbering, UNUSED};
+use super::{Array, Association, Block, Bounds, CellCounts, Column, Dataset, HexShape, Hexahedra};
+use crate::cells::canonical_from_point;
 use crate::error::{Error, Result};
 
 /// Point coordinates as a file holds them.
@@ -59,19 +60,54 @@ pub struct TetMesh {
     pub counts: CellCounts,
 }
 
+/// Cells of all kinds in file order: what a reader hands over that keeps cells whole.
+#[derive(Clone, Debug)]
+pub struct CellMesh {
+    /// All points of the file.
+    pub points: Points,
+    /// Four points each, in either orientation.
+    pub tets: Column<[u32; 4]>,
+    /// The file's cell of each tetrahedron; ascending.
+    pub file_from_tet: Column<u32>,
+    /// Eight points each in VTK's order, in either orientation; some may coincide (see [`hexahedron_of`](crate::cells::hexahedron_of)).
+    pub hexahedra: Column<[u32; 8]>,
+    /// The file's cell of each hexahedron; ascending.
+    pub file_from_hexahedron: Column<u32>,
+    /// Arrays over the file's points and cells.
+    pub arrays: Vec<Array>,
+    /// What the reader left out; `inverted` and `degenerate` are counted here.
+    pub counts: CellCounts,
+}
+
+impl From<TetMesh> for CellMesh {
+    fn from(mesh: TetMesh) -> Self {
+        let TetMesh { points, tets, file_from_tet, arrays, counts } = mesh;
+        let (hexahedra, file_from_hexahedron) = (Vec::new().into(), Vec::new().into());
+        Self { points, tets, file_from_tet, hexahedra, file_from_hexahedron, arrays, counts }
+    }
+}
+
 impl Dataset {
     /// Checks `mesh` and brings it into the order in which it is drawn.
     ///
     /// # Errors
-    /// [`Error::IndexOutOfRange`], [`Error::NonFinitePosition`], [`Error::LengthMismatch`], [`Error::TooLarge`], and
-    /// [`Error::NoCells`] where no tetrahedron has a volume.
+    /// Those of [`Dataset::from_cells`].
     pub fn from_tets(mesh: TetMesh) -> Result<Self> {
-        let TetMesh { points, mut tets, mut file_from_tet, arrays, mut counts } = mesh;
-        check(&points, &tets, &file_from_tet, &arrays, counts.in_file)?;
+        Self::from_cells(mesh.into())
+    }
 
+    /// Checks `mesh` and brings it into the order in which it is drawn.
+    ///
+    /// # Errors
+    /// [`Error::IndexOutOfRange`], [`Error::NonFinitePosition`], [`Error::LengthMismatch`], [`Error::TooLarge`], and
+    /// [`Error::NoCells`] where no cell has a volume.
+    pub fn from_cells(mesh: CellMesh) -> Result<Self> {
+        check(&mesh)?;
+        let CellMesh { points, tets, file_from_tet, hexahedra, file_from_hexahedron, arrays, mut counts } = mesh;
         let (low, high) = tets
             .par_iter()
             .flatten()
+            .chain(hexahedra.par_iter().flatten())
             .map(|&v| points.get(v as usize))
             .fold(|| (DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
             .reduce(|| (DVec3::INFINITY, DVec3::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
@@ -80,53 +116,66 @@ impl Dataset {
 
         // Orientation and volume of what is drawn: of the narrowed positions, by an exact predicate.
         let orientation: Vec<i8> = tets.par_iter().map(|&tet| orientation_of(tet.map(position))).collect();
-        counts.inverted = orientation.par_iter().filter(|&&sign| sign < 0).count() as u64;
-        counts.degenerate = orientation.par_iter().filter(|&&sign| sign == 0).count() as u64;
-        if counts.degenerate > 0 {
-            let has_volume = |tet: &usize| orientation[*tet] != 0;
-            file_from_tet = (0..tets.len()).filter(has_volume).map(|tet| file_from_tet[tet]).collect();
-            tets = (0..tets.len()).filter(has_volume).map(|tet| tets[tet]).collect();
-        }
-        if tets.is_empty() {
+        let canonical = if hexahedra.is_empty() { Vec::new() } else { canonical_from_point(&points) };
+        let shape =
+            |hex: &[u32; 8]| HexShape::new(hex.map(position), hex.map(|point| canonical[point as usize]));
+        let shapes: Vec<HexShape> = hexahedra.par_iter().map(shape).collect();
+        drop(canonical);
+        counts.inverted = orientation.par_iter().filter(|&&sign| sign < 0).count() as u64
+            + shapes.par_iter().filter(|shape| shape.is_mirrored()).count() as u64;
+        let (tets, file_from_tet, flat_tets) = with_volume(tets, file_from_tet, |tet| orientation[tet] != 0);
+        let (hexahedra, file_from_hexahedron, flat_hexahedra) =
+            with_volume(hexahedra, file_from_hexahedron, |hex| !shapes[hex].is_absent());
+        let shapes: Vec<HexShape> = shapes.into_iter().filter(|shape| !shape.is_absent()).collect();
+        counts.degenerate = flat_tets + flat_hexahedra;
+        if tets.is_empty() && hexahedra.is_empty() {
             return Err(Error::NoCells { found: describe(&counts) });
         }
 
-        let tet_from_cell = spatial_order::tet_from_cell(&tets, |tet| placement.key(tet.map(position)));
-        let vertex_from_file = spatial_order::vertex_from_file(points.len(), &tets, &tet_from_cell);
-        let file_from_vertex = spatial_order::invert(&vertex_from_file);
+        let tet_from_cell = spatial_order::file_from_cell(&tets, |tet| placement.key(tet.map(position)));
+        let hex_from_cell = spatial_order::file_from_cell(&hexahedra, |hex| placement.key(hex.map(position)));
+        let mut numbering = Numbering::new(points.len());
+        numbering.number(&tets, &tet_from_cell);
+        numbering.number(&hexahedra, &hex_from_cell);
+        let (vertex_from_file, file_from_vertex) = numbering.finish();
 
         let positions: Vec<[f32; 3]> = file_from_vertex.par_iter().map(|&v| position(v).to_array()).collect();
-        let cells: Vec<[u32; 4]> = tet_from_cell
+        let vertex = |point: u32| {
+            let vertex = vertex_from_file[point as usize];
+            debug_assert!(vertex != UNUSED);
+            vertex
+        };
+        let tets: Vec<[u32; 4]> = tet_from_cell
             .par_iter()
             .map(|&tet| {
-                let mut cell = tets[tet as usize].map(|v| vertex_from_file[v as usize]);
-                debug_assert!(!cell.contains(&UNUSED));
+                let mut cell = tets[tet as usize].map(vertex);
                 cell.sort_unstable();
                 cell
             })
             .collect();
-        let signs: Vec<bool> = cells
+        let hexahedra: Vec<[u32; 8]> =
+            hex_from_cell.par_iter().map(|&hex| hexahedra[hex as usize].map(vertex)).collect();
+        let shapes: Vec<HexShape> = hex_from_cell.par_iter().map(|&hex| shapes[hex as usize]).collect();
+        let positive: Vec<bool> = tets
             .par_iter()
             .map(|cell| orientation_of(cell.map(|v| Vec3::from_array(positions[v as usize]))) > 0)
             .collect();
-        let file_from_cell: Vec<u32> = tet_from_cell.par_iter().map(|&tet| file_from_tet[tet as usize]).collect();
-
-        let blocks: Vec<Block> = (0..cells.len())
-            .step_by(Self::BLOCK_CELLS)
-            .map(|start| {
-                let range = start..(start + Self::BLOCK_CELLS).min(cells.len());
-                let corners = cells[range.clone()].iter().flatten();
-                let bounds = corners.fold(Bounds::EMPTY, |b, &v| b.include(Vec3::from_array(positions[v as usize])));
-                Block { cells: range, bounds }
-            })
+        let file_from_cell: Vec<u32> = tet_from_cell
+            .par_iter()
+            .map(|&tet| file_from_tet[tet as usize])
+            .chain(hex_from_cell.par_iter().map(|&hex| file_from_hexahedron[hex as usize]))
             .collect();
+
+        let mut blocks = blocks_of(0, &tets, &positions);
+        blocks.extend(blocks_of(tets.len(), &hexahedra, &positions));
         let bounds = blocks.iter().fold(Bounds::EMPTY, |all, block| all.union(block.bounds));
 
         Ok(Self {
             origin: placement.origin,
             positions: positions.into(),
-            tets: cells.into(),
-            positive: signs.into_iter().collect(),
+            tets: tets.into(),
+            hexahedra: Hexahedra::listed(hexahedra.into(), shapes.into()),
+            positive: positive.into_iter().collect(),
             file_from_vertex: Some(file_from_vertex.into()),
             file_from_cell: Some(file_from_cell.into()),
             arrays,
@@ -141,36 +190,65 @@ impl Dataset {
     }
 }
 
-fn check(
-    points: &Points,
-    tets: &[[u32; 4]],
-    file_from_tet: &[u32],
-    arrays: &[Array],
-    cells_in_file: u64,
-) -> Result<()> {
+/// The cells that have a volume, and how many have none.
+fn with_volume<const N: usize>(
+    cells: Column<[u32; N]>,
+    file_from: Column<u32>,
+    has_volume: impl Fn(usize) -> bool,
+) -> (Column<[u32; N]>, Column<u32>, u64) {
+    let kept = (0..cells.len()).filter(|&cell| has_volume(cell)).count();
+    if kept == cells.len() {
+        return (cells, file_from, 0);
+    }
+    let flat = (cells.len() - kept) as u64;
+    let kept = || (0..cells.len()).filter(|&cell| has_volume(cell));
+    (kept().map(|cell| cells[cell]).collect(), kept().map(|cell| file_from[cell]).collect(), flat)
+}
+
+/// Cells of one kind in blocks, the first of them cell `first`.
+fn blocks_of<const N: usize>(first: usize, cells: &[[u32; N]], positions: &[[f32; 3]]) -> Vec<Block> {
+    let block = |(i, run): (usize, &[[u32; N]])| {
+        let start = first + i * Dataset::BLOCK_CELLS;
+        let corners = run.iter().flatten();
+        let bounds = corners.fold(Bounds::EMPTY, |b, &v| b.include(Vec3::from_array(positions[v as usize])));
+        Block { cells: start..start + run.len(), bounds }
+    };
+    cells.chunks(Dataset::BLOCK_CELLS).enumerate().map(block).collect()
+}
+
+fn check(mesh: &CellMesh) -> Result<()> {
     let limit = u64::from(u32::MAX) - 1;
-    for (column, len) in [("points", points.len() as u64), ("cells", tets.len().max(file_from_tet.len()) as u64)] {
+    let CellMesh { points, tets, file_from_tet, hexahedra, file_from_hexahedron, .. } = mesh;
+    let cells = tets.len().max(file_from_tet.len()) + hexahedra.len().max(file_from_hexahedron.len());
+    for (column, len) in [("points", points.len() as u64), ("cells", cells as u64)] {
         if len > limit {
             return Err(Error::TooLarge { column, len, limit });
         }
     }
-    if tets.len() != file_from_tet.len() {
-        let (len, expected) = (file_from_tet.len() as u64, tets.len() as u64);
-        return Err(Error::LengthMismatch { column: "file_from_tet".to_owned(), len, expected });
+    check_cells("file_from_tet", tets, file_from_tet, points)?;
+    check_cells("file_from_hexahedron", hexahedra, file_from_hexahedron, points)?;
+    check_arrays(points.len() as u64, &mesh.arrays, mesh.counts.in_file)
+}
+
+/// Every cell has a file's cell, every corner a point at a finite position.
+fn check_cells<const N: usize>(column: &str, cells: &[[u32; N]], file_from: &[u32], points: &Points) -> Result<()> {
+    if cells.len() != file_from.len() {
+        let (len, expected) = (file_from.len() as u64, cells.len() as u64);
+        return Err(Error::LengthMismatch { column: column.to_owned(), len, expected });
     }
     let len = points.len() as u64;
-    let bad = tets.par_iter().position_first(|tet| tet.iter().any(|&v| u64::from(v) >= len));
-    if let Some(tet) = bad {
-        let index = tets[tet].iter().copied().max().map_or(0, i64::from);
-        let cell = u64::from(file_from_tet[tet]);
+    let bad = cells.par_iter().position_first(|cell| cell.iter().any(|&v| u64::from(v) >= len));
+    if let Some(cell) = bad {
+        let index = cells[cell].iter().copied().max().map_or(0, i64::from);
+        let cell = u64::from(file_from[cell]);
         return Err(Error::IndexOutOfRange { column: "connectivity", cell, index, len });
     }
-    let bad = tets.par_iter().flatten().find_first(|&&v| !points.get(v as usize).is_finite());
+    let bad = cells.par_iter().flatten().find_first(|&&v| !points.get(v as usize).is_finite());
     if let Some(&point) = bad {
         let position = points.get(point as usize).to_array();
         return Err(Error::NonFinitePosition { point: point.into(), position });
     }
-    check_arrays(len, arrays, cells_in_file)
+    Ok(())
 }
 
 /// Every array has a tuple for each point, or for each cell of the file.

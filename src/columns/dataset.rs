@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use super::{Array, Backing, BitColumn, BlockTets, Column, Tets};
+use arrayvec::ArrayVec;
+
+use super::{Array, Backing, BitColumn, BlockTets, Column, Hexahedra, HexahedraView, Tets};
 
 /// A box in space; empty when a minimum exceeds its maximum.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,9 +109,9 @@ pub struct Block {
     pub bounds: Bounds,
 }
 
-/// A validated mesh of tetrahedra: every index in range, every position finite, every cell with a volume.
+/// A validated mesh: every index in range, every position finite, every cell that is drawn with a volume.
 ///
-/// Cells and vertices stand in spatial (Morton) order; the arrays of a foreign file stay in its order and are reached
+/// Cells are numbered through: tetrahedra first, then hexahedra. Cells and vertices stand in spatial (Morton) order; the arrays of a foreign file stay in its order and are reached
 /// through [`Dataset::file_from_vertex`] and [`Dataset::file_from_cell`].
 #[derive(Clone, Debug)]
 pub struct Dataset {
@@ -117,8 +119,10 @@ pub struct Dataset {
     pub origin: DVec3,
     /// Vertex positions relative to `origin`.
     pub positions: Column<[f32; 3]>,
-    /// The four vertices of each cell, ascending: neighbours name a shared face alike.
+    /// The four vertices of each tetrahedron, ascending: neighbours name a shared face alike.
     pub tets: Tets,
+    /// Cells with faces of four corners, whose numbers follow those of the tetrahedra.
+    pub hexahedra: Hexahedra,
     /// Whether (b−a)×(c−a)·(d−a) > 0 for the ascending vertices a, b, c, d; decided exactly.
     pub positive: BitColumn,
     /// The file's point of each vertex; none where arrays stand in the order of the vertices.
@@ -132,7 +136,7 @@ pub struct Dataset {
     pub array_ranges: Vec<ArrayRanges>,
     /// The cell across the face opposite to each vertex of each cell, `u32::MAX` where there is none; where a container has it.
     pub adjacency: Option<Column<[u32; 4]>>,
-    /// The cells in runs of [`Dataset::BLOCK_CELLS`], in order.
+    /// The cells in runs of [`Dataset::BLOCK_CELLS`] of one kind, in order.
     pub blocks: Vec<Block>,
     /// The box around all cells.
     pub bounds: Bounds,
@@ -147,6 +151,37 @@ pub struct Dataset {
 impl Dataset {
     /// Cells per block (the last has fewer).
     pub const BLOCK_CELLS: usize = 4096;
+
+    /// How many cells there are.
+    pub fn cells(&self) -> usize {
+        self.tets.len() + self.hexahedra.len()
+    }
+
+    /// The vertices of cell `cell`: four or eight.
+    ///
+    /// # Panics
+    /// If there is no such cell.
+    #[inline]
+    pub fn corners(&self, cell: usize) -> ArrayVec<u32, 8> {
+        match cell.checked_sub(self.tets.len()) {
+            None => self.tets.get(cell).into_iter().collect(),
+            Some(cell) => self.hexahedra.view().get(cell).into(),
+        }
+    }
+
+    /// The volume of cell `cell`, in world units; 0 where it is not drawn.
+    ///
+    /// # Panics
+    /// If there is no such cell.
+    pub fn volume_world(&self, cell: usize) -> f64 {
+        let position = |v: u32| Vec3::from_array(self.positions[v as usize]);
+        if let Some(cell) = cell.checked_sub(self.tets.len()) {
+            let hexahedra = self.hexahedra.view();
+            return hexahedra.shape(cell).volume(hexahedra.get(cell).map(position));
+        }
+        let [a, b, c, d] = self.tets.get(cell).map(|v| position(v).as_dvec3());
+        (b - a).cross(c - a).dot(d - a).abs() / 6.0
+    }
 
     /// Length of the diagonal of the box around all cells, in world units.
     pub fn diagonal_world(&self) -> f64 {
@@ -179,6 +214,7 @@ impl Dataset {
     pub fn owned_bytes(&self) -> u64 {
         let columns = self.positions.owned_bytes()
             + self.tets.owned_bytes()
+            + self.hexahedra.owned_bytes()
             + self.positive.owned_bytes()
             + [&self.file_from_vertex, &self.file_from_cell]
                 .into_iter()
@@ -195,13 +231,14 @@ impl Dataset {
     /// If there is no such block.
     pub fn block(&self, block: usize) -> BlockView<'_> {
         let Block { cells, bounds } = &self.blocks[block];
-        BlockView {
-            base: cells.start,
-            bounds: *bounds,
-            tets: BlockTets::new(&self.tets, block, cells.len()),
-            positions: &self.positions,
-            positive: &self.positive,
-        }
+        let first_hexahedron = self.tets.len();
+        let of_block = if cells.start < first_hexahedron {
+            BlockCells::Tets(BlockTets::new(&self.tets, block, cells.len()))
+        } else {
+            let run = cells.start - first_hexahedron..cells.end - first_hexahedron;
+            BlockCells::Hexahedra(self.hexahedra.view().run(run))
+        };
+        BlockView { base: cells.start, bounds: *bounds, cells: of_block, positions: &self.positions }
     }
 }
 
@@ -213,16 +250,32 @@ pub struct BlockView<'a> {
     /// The box around the block's vertices.
     pub bounds: Bounds,
     /// The block's cells.
-    pub tets: BlockTets<'a>,
+    pub cells: BlockCells<'a>,
     /// All vertex positions.
     pub positions: &'a [[f32; 3]],
-    positive: &'a BitColumn,
+}
+
+/// The cells of a block, all of one kind.
+#[derive(Clone, Copy, Debug)]
+pub enum BlockCells<'a> {
+    /// Four corners each.
+    Tets(BlockTets<'a>),
+    /// Eight corners each, of which some may coincide; some are not drawn.
+    Hexahedra(HexahedraView<'a>),
 }
 
 impl BlockView<'_> {
-    /// Whether the ascending vertices of block-local cell `cell` are positively oriented.
+    /// How many cells there are.
     #[inline]
-    pub fn is_positive(&self, cell: u32) -> bool {
-        self.positive.get(self.base + cell as usize)
+    pub fn len(&self) -> usize {
+        match &self.cells {
+            BlockCells::Tets(tets) => tets.len(),
+            BlockCells::Hexahedra(hexahedra) => hexahedra.len(),
+        }
+    }
+
+    /// Whether there is no cell.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
     }
 }

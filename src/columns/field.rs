@@ -1,5 +1,6 @@
 //! `Field`: one scalar per vertex or per cell of a dataset, taken from an array, ready for the stages.
 
+use arrayvec::ArrayVec;
 use rayon::prelude::*;
 
 use super::{Array, Association, Column, Dataset, NumericColumn, ValueRanges};
@@ -131,7 +132,7 @@ impl Dataset {
 
     /// The field of a mesh without an array: the same value everywhere.
     pub fn homogeneous_field(&self) -> Field {
-        let values = vec![0.0; self.tets.len()];
+        let values = vec![0.0; self.cells()];
         self.finish_field("homogeneous".to_owned(), Association::Cell, 0.0, values.into(), (0.0, 0.0))
     }
 
@@ -144,9 +145,11 @@ impl Dataset {
         range: (f64, f64),
     ) -> Field {
         let stored = &values[..];
-        let of_cell = |cell: usize| match association {
-            Association::Point => self.tets.get(cell).map(|v| stored[v as usize]),
-            Association::Cell => [stored[cell]; 4],
+        let of_cell = |cell: usize| -> ArrayVec<f32, 8> {
+            match association {
+                Association::Point => self.corners(cell).into_iter().map(|v| stored[v as usize]).collect(),
+                Association::Cell => std::iter::once(stored[cell]).collect(),
+            }
         };
         let per_block: Vec<((f32, f32), u64)> = self
             .blocks
@@ -179,7 +182,7 @@ impl Scalars<'_> {
         let (dataset, association) = (self.dataset, self.array.association);
         let len = match association {
             Association::Point => dataset.positions.len(),
-            Association::Cell => dataset.tets.len(),
+            Association::Cell => dataset.cells(),
         };
         (0..len).into_par_iter().map(move |i| match association {
             Association::Point => dataset.point_tuple(i),

@@ -32,8 +32,8 @@ impl Placement {
 
     /// Where a cell stands along the Morton curve.
     #[inline]
-    pub(crate) fn key(&self, [a, b, c, d]: [Vec3; 4]) -> u64 {
-        let center = ((a + b + c + d) * 0.25 - self.bounds.min) * self.steps_per_unit;
+    pub(crate) fn key<const N: usize>(&self, corners: [Vec3; N]) -> u64 {
+        let center = (corners.iter().sum::<Vec3>() * (1.0 / N as f32) - self.bounds.min) * self.steps_per_unit;
         morton(center.x as u32, center.y as u32, center.z as u32)
     }
 }

@@ -7,38 +7,47 @@ use rayon::prelude::*;
 /// Marks a point of the file that no cell uses.
 pub(crate) const UNUSED: u32 = u32::MAX;
 
-/// The file-order tetrahedron of each cell, by ascending key; equal keys keep the file's order.
-pub(super) fn tet_from_cell(tets: &[[u32; 4]], key: impl Fn([u32; 4]) -> u64 + Sync) -> Vec<u32> {
+/// The file-order cell of each cell, by ascending key; equal keys keep the file's order.
+pub(super) fn file_from_cell<const N: usize>(cells: &[[u32; N]], key: impl Fn([u32; N]) -> u64 + Sync) -> Vec<u32> {
     let mut keyed: Vec<(u64, u32)> =
-        tets.par_iter().enumerate().map(|(tet, &corners)| (key(corners), tet as u32)).collect();
+        cells.par_iter().enumerate().map(|(cell, &corners)| (key(corners), cell as u32)).collect();
     keyed.par_sort_unstable();
-    keyed.into_par_iter().map(|(_, tet)| tet).collect()
+    keyed.into_par_iter().map(|(_, cell)| cell).collect()
 }
 
 /// A vertex number for each point of the file, in the order in which the cells first name them.
-pub(super) fn vertex_from_file(points: usize, tets: &[[u32; 4]], tet_from_cell: &[u32]) -> Vec<u32> {
-    let mut vertex_from_file = vec![UNUSED; points];
-    let mut next = 0;
-    for &tet in tet_from_cell {
-        for &point in &tets[tet as usize] {
-            let vertex = &mut vertex_from_file[point as usize];
-            if *vertex == UNUSED {
-                *vertex = next;
-                next += 1;
+pub(super) struct Numbering {
+    vertex_from_file: Vec<u32>,
+    next: u32,
+}
+
+impl Numbering {
+    /// No point has a number.
+    pub(super) fn new(points: usize) -> Self {
+        Self { vertex_from_file: vec![UNUSED; points], next: 0 }
+    }
+
+    /// Numbers the points of cells in the order that `file_from_cell` says.
+    pub(super) fn number<const N: usize>(&mut self, cells: &[[u32; N]], file_from_cell: &[u32]) {
+        for &cell in file_from_cell {
+            for &point in &cells[cell as usize] {
+                let vertex = &mut self.vertex_from_file[point as usize];
+                if *vertex == UNUSED {
+                    *vertex = self.next;
+                    self.next += 1;
+                }
             }
         }
     }
-    vertex_from_file
-}
 
-/// The point of the file of each vertex.
-pub(super) fn invert(vertex_from_file: &[u32]) -> Vec<u32> {
-    let used = vertex_from_file.iter().filter(|&&vertex| vertex != UNUSED).count();
-    let mut file_from_vertex = vec![0; used];
-    for (point, &vertex) in vertex_from_file.iter().enumerate() {
-        if vertex != UNUSED {
-            file_from_vertex[vertex as usize] = point as u32;
+    /// `vertex_from_file`, and the point of the file of each vertex.
+    pub(super) fn finish(self) -> (Vec<u32>, Vec<u32>) {
+        let mut file_from_vertex = vec![0; self.next as usize];
+        for (point, &vertex) in self.vertex_from_file.iter().enumerate() {
+            if vertex != UNUSED {
+                file_from_vertex[vertex as usize] = point as u32;
+            }
         }
+        (self.vertex_from_file, file_from_vertex)
     }
-    file_from_vertex
 }

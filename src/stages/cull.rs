@@ -3,14 +3,13 @@
 //! In: a block, its scalars, a [`CullTable`]. Out: `cell_from_visible`, ascending. Drops a cell only if its extinction is 0
 //! on its whole value interval (`CellFast`, "Culling") or one of its values is NaN. O(1) a cell: two table reads.
 
-use crate::columns::{Association, BlockView, Field};
+use crate::columns::{Association, BlockCells, BlockView, Field};
 use crate::optics::{CullTable, Pieces};
 use crate::stages::ScreenVertex;
 
 /// Smallest and largest stored value of a cell; NaN in either where a value is NaN.
 #[inline]
-pub fn value_interval(scalars: [f32; 4]) -> (f32, f32) {
-    let [a, b, c, d] = scalars;
+pub fn value_interval([a, b, c, d]: [f32; 4]) -> (f32, f32) {
     let low = if a < b { a } else { b };
     let high = if a < b { b } else { a };
     let low2 = if c < d { c } else { d };
@@ -20,13 +19,11 @@ pub fn value_interval(scalars: [f32; 4]) -> (f32, f32) {
     (if low < low2 { low } else { low2 } + nan, if high > high2 { high } else { high2 } + nan)
 }
 
-/// The four scalars of block-local cell `cell`.
+/// The same for eight values.
 #[inline]
-pub fn cell_scalars(block: &BlockView, field: &Field, screen: &[ScreenVertex], cell: u32) -> [f32; 4] {
-    match field.association {
-        Association::Point => block.tets.get(cell as usize).map(|v| screen[v as usize].scalar),
-        Association::Cell => [field.values[block.base + cell as usize]; 4],
-    }
+fn interval_of_eight([a, b, c, d, e, f, g, h]: [f32; 8]) -> (f32, f32) {
+    let ((low, high), (low2, high2)) = (value_interval([a, b, c, d]), value_interval([e, f, g, h]));
+    value_interval([low, high, low2, high2])
 }
 
 /// Appends the block-local cells that can show to `cell_from_visible`; returns how many were transparent and invalid.
@@ -34,18 +31,43 @@ pub fn cull(
     block: &BlockView,
     field: &Field,
     screen: &[ScreenVertex],
+    optics: (&Pieces, &CullTable),
+    cell_from_visible: &mut Vec<u32>,
+) -> Culled {
+    let of_vertex = |v: u32| screen[v as usize].scalar;
+    let of_cell = |cell: usize| value_interval([field.values[block.base + cell]; 4]);
+    match (&block.cells, field.association) {
+        (BlockCells::Tets(tets), Association::Point) => {
+            sift(0..tets.len(), |cell| value_interval(tets.get(cell).map(of_vertex)), optics, cell_from_visible)
+        }
+        (BlockCells::Tets(tets), Association::Cell) => sift(0..tets.len(), of_cell, optics, cell_from_visible),
+        (BlockCells::Hexahedra(hexahedra), association) => {
+            let cells = (0..hexahedra.len()).filter(|&cell| !hexahedra.shape(cell).is_absent());
+            if association == Association::Cell {
+                return sift(cells, of_cell, optics, cell_from_visible);
+            }
+            sift(cells, |cell| interval_of_eight(hexahedra.get(cell).map(of_vertex)), optics, cell_from_visible)
+        }
+    }
+}
+
+/// Keeps those of `cells` whose `interval` of values shows.
+#[inline]
+fn sift(
+    cells: impl Iterator<Item = usize>,
+    interval: impl Fn(usize) -> (f32, f32),
     (pieces, table): (&Pieces, &CullTable),
     cell_from_visible: &mut Vec<u32>,
 ) -> Culled {
     let mut culled = Culled::default();
-    for cell in 0..block.tets.len() as u32 {
-        let (low, high) = value_interval(cell_scalars(block, field, screen, cell));
+    for cell in cells {
+        let (low, high) = interval(cell);
         if low.is_nan() {
             culled.invalid += 1;
         } else if table.is_transparent(pieces, low, high) {
             culled.transparent += 1;
         } else {
-            cell_from_visible.push(cell);
+            cell_from_visible.push(cell as u32);
         }
     }
     culled
@@ -126,7 +148,8 @@ mod tests {
             let (mut expected, mut slow) = (Vec::new(), Culled::default());
             let (mut visible, mut culled) = (Vec::new(), Culled::default());
             for block in (0..dataset.blocks.len()).map(|block| dataset.block(block)) {
-                for (cell, tet) in block.tets.iter().enumerate() {
+                let BlockCells::Tets(tets) = &block.cells else { panic!("a block of tetrahedra") };
+                for (cell, tet) in tets.iter().enumerate() {
                     let values = tet.map(|v| f64::from(field.values[v as usize]));
                     if values.iter().any(|value| !value.is_finite()) {
                         slow.invalid += 1;

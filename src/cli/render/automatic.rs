@@ -118,16 +118,16 @@ fn histogram(dataset: &Dataset, field: &Field, range: (f64, f64)) -> [u64; BINS]
     let of_block = |block: &Block| {
         let mut volumes = [0.0; BINS];
         for cell in block.cells.clone() {
-            let corners = match field.association {
-                Association::Point => dataset.tets.get(cell).map(|v| field.values[v as usize]),
-                Association::Cell => [field.values[cell]; 4],
+            let corners: ArrayVec<f32, 8> = match field.association {
+                Association::Point => dataset.corners(cell).into_iter().map(|v| field.values[v as usize]).collect(),
+                Association::Cell => std::iter::once(field.values[cell]).collect(),
             };
             if !corners.iter().all(|value| value.is_finite()) {
                 continue;
             }
-            let places = corners.map(place);
-            let (low, high) = (places.into_iter().fold(bins, f64::min), places.into_iter().fold(0.0, f64::max));
-            let volume = volume_world(dataset, cell);
+            let places = || corners.iter().copied().map(place);
+            let (low, high) = (places().fold(bins, f64::min), places().fold(0.0, f64::max));
+            let volume = dataset.volume_world(cell);
             let (first, last) = (low as usize, high as usize);
             if first == last {
                 volumes[first] += volume;
@@ -152,17 +152,11 @@ fn histogram(dataset: &Dataset, field: &Field, range: (f64, f64)) -> [u64; BINS]
 
 /// Which blocks are read: every so manieth. Odd, since every second or fourth along a Morton curve would lie on one side.
 fn stride(dataset: &Dataset) -> usize {
-    dataset.tets.len().div_ceil(CELLS_READ) | 1
+    dataset.cells().div_ceil(CELLS_READ) | 1
 }
 
 fn sample(dataset: &Dataset) -> impl IndexedParallelIterator<Item = &Block> {
     dataset.blocks.par_iter().step_by(stride(dataset))
-}
-
-/// The volume of a cell.
-fn volume_world(dataset: &Dataset, cell: usize) -> f64 {
-    let [a, b, c, d] = dataset.tets.get(cell).map(|v| Vec3::from_array(dataset.positions[v as usize]).as_dvec3());
-    (b - a).cross(c - a).dot(d - a).abs() / 6.0
 }
 
 /// The function with extinction 0 for the commonest values, as deep as before where the rest allows; the same function
@@ -194,10 +188,10 @@ fn without_background(transfer: &TransferFunction, values: &Values, thickness_wo
 /// average, whether the mesh is a thin shell, a flat plate or fills its box. In a cube that is 2/3 of its edge.
 fn thickness_world(dataset: &Dataset) -> f64 {
     // Side by side, their sum in order.
-    let of_block = |block: &Block| block.cells.clone().map(|cell| volume_world(dataset, cell)).sum();
+    let of_block = |block: &Block| block.cells.clone().map(|cell| dataset.volume_world(cell)).sum();
     let volumes: Vec<f64> = sample(dataset).map(of_block).collect();
     let read: usize = dataset.blocks.iter().step_by(stride(dataset)).map(|block| block.cells.len()).sum();
-    let volume = volumes.iter().sum::<f64>() * (dataset.tets.len() as f64 / read as f64);
+    let volume = volumes.iter().sum::<f64>() * (dataset.cells() as f64 / read as f64);
     let [x, y, z] = (dataset.bounds.max.as_dvec3() - dataset.bounds.min.as_dvec3()).to_array();
     let surface = 2.0 * (x * y + y * z + z * x);
     let diagonal = dataset.diagonal_world();

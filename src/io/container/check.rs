@@ -9,7 +9,7 @@ use twox_hash::XxHash3_64;
 
 use super::directory::{ColumnSpan, Directory};
 use super::read::open;
-use crate::columns::{Dataset, orientation_of};
+use crate::columns::{BlockCells, Dataset, orientation_of};
 use crate::error::{Error, Result, presentable};
 use crate::io::mapping::bytes_of;
 
@@ -60,6 +60,7 @@ pub fn check(path: &Path, use_map: bool) -> Result<Checked> {
 /// The first cell of a block that is not as it must be.
 fn problem_of(dataset: &Dataset, block: usize) -> Option<(usize, &'static str)> {
     let view = dataset.block(block);
+    let BlockCells::Tets(tets) = &view.cells else { return None };
     let wrong = |(cell, tet): (usize, [u32; 4])| {
         // A number beyond the last vertex reads as the last one: not ascending, but for a cell that has just one such.
         if !tet.is_sorted_by(|a, b| a < b) {
@@ -70,7 +71,7 @@ fn problem_of(dataset: &Dataset, block: usize) -> Option<(usize, &'static str)> 
             return Some((cell, "it lies outside its block's box"));
         }
         let sign = orientation_of(corners);
-        if sign == 0 || (sign > 0) != view.is_positive(cell as u32) {
+        if sign == 0 || (sign > 0) != dataset.positive.get(view.base + cell) {
             return Some((cell, "its orientation bit is wrong"));
         }
         let Some(adjacency) = &dataset.adjacency else { return None };
@@ -79,5 +80,5 @@ fn problem_of(dataset: &Dataset, block: usize) -> Option<(usize, &'static str)> 
         let is_wrong = adjacency[cell].iter().any(|&other| other != u32::MAX && !is_mutual(other));
         is_wrong.then_some((cell - view.base, "it has a neighbour whose neighbour it is not"))
     };
-    view.tets.iter().enumerate().find_map(wrong).map(|(cell, problem)| (view.base + cell, problem))
+    tets.iter().enumerate().find_map(wrong).map(|(cell, problem)| (view.base + cell, problem))
 }

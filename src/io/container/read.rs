@@ -10,7 +10,7 @@ use glam::{DVec3, Vec3};
 
 use super::directory::{Directory, MAGIC, Span};
 use crate::columns::{
-    Array, ArrayRanges, BitColumn, Block, Bounds, Column, Dataset, NumericColumn, SharedBytes, Tets, ValueRanges,
+    Array, ArrayRanges, BitColumn, Block, Bounds, Column, Dataset, Hexahedra, NumericColumn, SharedBytes, Tets, ValueRanges,
 };
 use crate::error::{Error, Result, presentable, without_controls};
 use crate::io::mapping::bytes_of;
@@ -101,6 +101,7 @@ pub fn open(path: &Path, use_map: bool) -> Result<Dataset> {
         origin: DVec3::from_array(directory.origin),
         positions,
         tets,
+        hexahedra: Hexahedra::none(),
         positive,
         file_from_vertex: None,
         file_from_cell: None,

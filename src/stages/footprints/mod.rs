@@ -13,7 +13,7 @@ use std::ops::Range;
 
 use glam::{Vec2, Vec3};
 
-use crate::columns::{BlockView, Bounds};
+use crate::columns::{BlockCells, BlockView, Bounds};
 use crate::stages::{PixelProjection, SceneVertex, ScreenVertex, View};
 
 /// The pixels of a box: columns `x0..x1`, rows `y0..y1` (ends exclusive).
@@ -48,14 +48,23 @@ impl PixelBoxes {
 
     /// The pixels whose centres the cell may cover; `None` if there is none.
     #[inline]
-    pub fn of_cell(&self, tet: [u32; 4], vertices: &[SceneVertex], screen: &[ScreenVertex]) -> Option<PixelBox> {
-        let corners = tet.map(|v| screen[v as usize]);
+    pub fn of_cell<const N: usize>(
+        &self,
+        cell: [u32; N],
+        vertices: &[SceneVertex],
+        screen: &[ScreenVertex],
+    ) -> Option<PixelBox> {
+        let corners = cell.map(|v| screen[v as usize]);
         let nearest = corners.iter().fold(f32::INFINITY, |near, corner| near.min(corner.depth));
         if nearest < self.near {
-            return self.across_near(tet.map(|v| vertices[v as usize].position), corners.map(|c| c.depth));
+            return self.across_near(cell.map(|v| vertices[v as usize].position), corners.map(|c| c.depth));
         }
-        let [a, b, c, d] = corners.map(|corner| corner.xy());
-        if nearest > self.far { None } else { self.around(a.min(b).min(c.min(d)), a.max(b).max(c.max(d))) }
+        if nearest > self.far {
+            return None;
+        }
+        let low = corners.iter().fold(Vec2::INFINITY, |low, corner| low.min(corner.xy()));
+        let high = corners.iter().fold(Vec2::NEG_INFINITY, |high, corner| high.max(corner.xy()));
+        self.around(low, high)
     }
 
     /// Appends the cells among `cell_from_visible` that may cover a pixel centre, and their boxes.
@@ -68,10 +77,19 @@ impl PixelBoxes {
         cell_from_projected: &mut Vec<u32>,
         boxes: &mut Vec<PixelBox>,
     ) {
-        for &cell in cell_from_visible {
-            if let Some(pixels) = self.of_cell(block.tets.get(cell as usize), vertices, screen) {
+        let mut include = |cell, pixels| {
+            if let Some(pixels) = pixels {
                 cell_from_projected.push(cell);
                 boxes.push(pixels);
+            }
+        };
+        let cells = cell_from_visible.iter();
+        match &block.cells {
+            BlockCells::Tets(tets) => {
+                cells.for_each(|&cell| include(cell, self.of_cell(tets.get(cell as usize), vertices, screen)));
+            }
+            BlockCells::Hexahedra(hexahedra) => {
+                cells.for_each(|&cell| include(cell, self.of_cell(hexahedra.get(cell as usize), vertices, screen)));
             }
         }
     }
@@ -102,20 +120,20 @@ impl PixelBoxes {
     }
 
     /// The box around the part of a cell that lies behind the near plane.
-    fn across_near(&self, positions: [[f32; 3]; 4], depths: [f32; 4]) -> Option<PixelBox> {
+    fn across_near<const N: usize>(&self, positions: [[f32; 3]; N], depths: [f32; N]) -> Option<PixelBox> {
         let mut low = Vec2::INFINITY;
         let mut high = Vec2::NEG_INFINITY;
         let mut include = |p: Vec3| {
             let p = self.projection.project(p).truncate();
             (low, high) = (low.min(p), high.max(p));
         };
-        for i in 0..4 {
+        for i in 0..N {
             if depths[i] < self.near {
                 continue;
             }
             let inside = Vec3::from_array(positions[i]);
             include(inside);
-            for j in (0..4).filter(|&j| depths[j] < self.near) {
+            for j in (0..N).filter(|&j| depths[j] < self.near) {
                 // Where edge i j meets the near plane; a hair behind it, so that rounding never leaves it in front.
                 let t = (depths[i] - self.near) / (depths[i] - depths[j]);
                 include(inside + (Vec3::from_array(positions[j]) - inside) * (t * (1.0 - 1e-6)));

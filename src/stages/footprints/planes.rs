@@ -211,22 +211,24 @@ impl FaceScalar {
     /// For each face of the cell in lane `i`, from the face's own three vertices: well conditioned where the cell is not.
     pub fn of_cell(rays: &TileRays, corners: &Corners, i: usize) -> [Self; 4] {
         let (p, s) = corners.get(i);
-        FACES.map(|face| {
-            let [a, b, c] = face.map(|corner| p[corner]);
-            let [s_a, s_b, s_c] = face.map(|corner| s[corner]);
-            // The gradient in the plane: (b−a)·g = s_b − s_a, (c−a)·g = s_c − s_a, n·g = 0.
-            let (u, v) = (b - a, c - a);
-            let n = cross(u, v);
-            let g = (cross(v, n) * (s_b - s_a) + cross(n, u) * (s_c - s_a)) / dot(n, n).max(f32::MIN_POSITIVE);
-            let steps = [dot(g, rays.step_x), dot(g, rays.step_y)];
-            if rays.is_perspective {
-                let base = [s_a - dot(g, a - rays.eye), 0.0, 0.0];
-                Self { base, slope: [dot(g, rays.first), steps[0], steps[1]] }
-            } else {
-                let base = [s_a + dot(g, rays.first - a), steps[0], steps[1]];
-                Self { base, slope: [dot(g, rays.forward), 0.0, 0.0] }
-            }
-        })
+        FACES.map(|face| Self::of_face(rays, face.map(|corner| p[corner]), face.map(|corner| s[corner])))
+    }
+
+    /// For a face with corners a, b, c and their values.
+    #[inline(always)]
+    pub(super) fn of_face(rays: &TileRays, [a, b, c]: [Vec3; 3], [s_a, s_b, s_c]: [f32; 3]) -> Self {
+        // The gradient in the plane: (b−a)·g = s_b − s_a, (c−a)·g = s_c − s_a, n·g = 0.
+        let (u, v) = (b - a, c - a);
+        let n = cross(u, v);
+        let g = (cross(v, n) * (s_b - s_a) + cross(n, u) * (s_c - s_a)) / dot(n, n).max(f32::MIN_POSITIVE);
+        let steps = [dot(g, rays.step_x), dot(g, rays.step_y)];
+        if rays.is_perspective {
+            let base = [s_a - dot(g, a - rays.eye), 0.0, 0.0];
+            Self { base, slope: [dot(g, rays.first), steps[0], steps[1]] }
+        } else {
+            let base = [s_a + dot(g, rays.first - a), steps[0], steps[1]];
+            Self { base, slope: [dot(g, rays.forward), 0.0, 0.0] }
+        }
     }
 
     /// The value at column and row of the tile and view depth w.
@@ -262,24 +264,10 @@ impl<const N: usize> Batch<N> {
     fn set_up_plane(&mut self, rays: &TileRays, k: usize, i: usize, corners: &Corners<N>) {
         let (a, b, c) =
             (corners.position(FACES[k][0], i), corners.position(FACES[k][1], i), corners.position(FACES[k][2], i));
-        let n = cross(b - a, c - a);
-        let (at_first, across) = if rays.is_perspective {
-            (dot(n, rays.first), dot(n, a - rays.eye))
-        } else {
-            (dot(n, rays.first - a), dot(n, rays.forward))
-        };
-        let (per_column, per_row) = (dot(n, rays.step_x), dot(n, rays.step_y));
-        // What the sine of the face's angle, and the distance of a ray from it, are relative to.
-        let (far, wide) = if rays.is_perspective { (norm_1(a - rays.eye), 1.0) } else { (1.0, norm_1(rays.first - a)) };
-        let is_wall = mask(across.abs() <= min(EDGE_ON, EDGE_ON_PX * rays.pixel) * norm_1(n) * far);
-        let aside_px = min(ASIDE * wide / rays.pixel, ASIDE_PX);
-        let aside = (per_column + ASIDE_ROWS * per_row) * aside_px;
-        let size = select(is_wall, WALL, across.abs());
-        let is_positive = mask(across >= 0.0);
-        let scale = 1.0 / select(is_positive, size, -size);
-        self.planes[k].c[i] = (at_first + select(is_wall, aside, 0.0)) * scale;
-        self.planes[k].x[i] = per_column * scale;
-        self.planes[k].y[i] = per_row * scale;
+        let ([at_first, per_column, per_row], is_positive) = plane(rays, [a, b, c]);
+        self.planes[k].c[i] = at_first;
+        self.planes[k].x[i] = per_column;
+        self.planes[k].y[i] = per_row;
         // The ray leaves through a face whose outward normal runs along with it.
         let is_inward = corners.positive[i] ^ mask(OUTWARD_IF_POSITIVE[k]);
         self.back_faces[i] |= ((is_positive ^ is_inward) & 1) << k;
@@ -344,6 +332,28 @@ impl<const N: usize> Batch<N> {
         self.boxes[2][i] = pixel(first(low[1]), 0.0);
         self.boxes[3][i] = pixel(end(high[1]), side);
     }
+}
+
+/// The inverse depth of the plane through a, b, c at the tile's first pixel, per column and per row, and a mask: whether rays run
+/// along with (b−a)×(c−a).
+#[inline(always)]
+pub(super) fn plane(rays: &TileRays, [a, b, c]: [Vec3; 3]) -> ([f32; 3], u32) {
+    let n = cross(b - a, c - a);
+    let (at_first, across) = if rays.is_perspective {
+        (dot(n, rays.first), dot(n, a - rays.eye))
+    } else {
+        (dot(n, rays.first - a), dot(n, rays.forward))
+    };
+    let (per_column, per_row) = (dot(n, rays.step_x), dot(n, rays.step_y));
+    // What the sine of the face's angle, and the distance of a ray from it, are relative to.
+    let (far, wide) = if rays.is_perspective { (norm_1(a - rays.eye), 1.0) } else { (1.0, norm_1(rays.first - a)) };
+    let is_wall = mask(across.abs() <= min(EDGE_ON, EDGE_ON_PX * rays.pixel) * norm_1(n) * far);
+    let aside_px = min(ASIDE * wide / rays.pixel, ASIDE_PX);
+    let aside = (per_column + ASIDE_ROWS * per_row) * aside_px;
+    let size = select(is_wall, WALL, across.abs());
+    let is_positive = mask(across >= 0.0);
+    let scale = 1.0 / select(is_positive, size, -size);
+    ([(at_first + select(is_wall, aside, 0.0)) * scale, per_column * scale, per_row * scale], is_positive)
 }
 
 // Written out, without fused or reordered operations: the same bits in every lane, on every instruction set.

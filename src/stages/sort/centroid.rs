@@ -24,8 +24,8 @@ impl Centroid {
 
     /// Distance of the centroid from the eye, or its depth along parallel rays.
     #[inline]
-    pub fn depth(&self, [a, b, c, d]: [Vec3; 4]) -> f32 {
-        let from_eye = (a + b + c + d) * 0.25 - self.eye;
+    pub fn depth<const N: usize>(&self, corners: [Vec3; N]) -> f32 {
+        let from_eye = corners.iter().sum::<Vec3>() * (1.0 / N as f32) - self.eye;
         if self.is_perspective { from_eye.length() } else { from_eye.dot(self.forward) }
     }
 }

@@ -16,7 +16,7 @@ use std::str::FromStr;
 
 use glam::{DVec3, Vec3};
 
-use crate::columns::BlockView;
+use crate::columns::{BlockCells, BlockView};
 use crate::error::{Error, Result};
 use crate::stages::{SceneVertex, View};
 
@@ -121,15 +121,28 @@ impl KeyMaker {
         cell_from_visible: &[u32],
         key_from_visible: &mut Vec<u32>,
     ) {
-        let corners =
-            |&cell: &u32| block.tets.get(cell as usize).map(|v| Vec3::from_array(vertices[v as usize].position));
+        let position = |v: u32| Vec3::from_array(vertices[v as usize].position);
         let cells = cell_from_visible.iter();
-        match self {
-            Self::None => key_from_visible.extend(cells.map(|_| 0)),
-            Self::Centroid(centroid) => {
+        match (self, &block.cells) {
+            (Self::None, _) => key_from_visible.extend(cells.map(|_| 0)),
+            (Self::Centroid(centroid), BlockCells::Tets(tets)) => {
+                let corners = |&cell: &u32| tets.get(cell as usize).map(position);
                 key_from_visible.extend(cells.map(|cell| key_of_depth(centroid.depth(corners(cell)))));
             }
-            Self::Power(power) => {
+            (Self::Centroid(centroid), BlockCells::Hexahedra(hexahedra)) => {
+                let corners = |&cell: &u32| hexahedra.get(cell as usize).map(position);
+                key_from_visible.extend(cells.map(|cell| key_of_depth(centroid.depth(corners(cell)))));
+            }
+            (Self::Power(power), BlockCells::Tets(tets)) => {
+                let corners = |&cell: &u32| tets.get(cell as usize).map(position);
+                key_from_visible.extend(cells.map(|cell| key_of_depth(power.depth(corners(cell)) as f32)));
+            }
+            (Self::Power(power), BlockCells::Hexahedra(hexahedra)) => {
+                // The sphere through four alternate corners: of a box, through all eight.
+                let corners = |&cell: &u32| {
+                    let corners = hexahedra.get(cell as usize).map(position);
+                    [0, 2, 5, 7].map(|i: usize| corners[i])
+                };
                 key_from_visible.extend(cells.map(|cell| key_of_depth(power.depth(corners(cell)) as f32)));
             }
         }

@@ -1,0 +1,36 @@
+//! The triangles of a hexahedron: each face of four corners is two, cut along one of its diagonals.
+//!
+//! Wedges, pyramids and collapsed cells are hexahedra some of whose corners coincide ([`hexahedron_of`]): the triangles that
+//! repeat a corner have no area, the others are just those of their faces. So one kind stands for all.
+
+use super::{CellKind, HEXAHEDRON, PYRAMID, VOXEL, WEDGE};
+
+/// The diagonal of a face: from its first corner to the third, or from the second to the fourth.
+pub const DIAGONALS: [[usize; 2]; 2] = [[0, 2], [1, 3]];
+
+/// The corners of both triangles of face `face` of a hexahedron, counterclockwise seen from outside. The first two are the
+/// ends of the diagonal, in either order, the third is the triangle's own.
+pub const fn face_triangles(face: usize, diagonal: usize) -> [[u8; 3]; 2] {
+    let corners = HEXAHEDRON.faces[face];
+    let [i, k] = DIAGONALS[diagonal];
+    let (p, q) = (corners[i], corners[k]);
+    // Along p → q the corner after q lies to the left, so p q and that corner run counterclockwise; q p and the other do.
+    [[p, q, corners[(k + 1) % 4]], [q, p, corners[(i + 1) % 4]]]
+}
+
+/// The corners of the hexahedron that a cell of `kind` is, as numbers of its own corners.
+///
+/// ```
+/// # use cellfan::cells::{WEDGE, hexahedron_of};
+/// assert_eq!(hexahedron_of(&WEDGE), Some([0, 1, 2, 2, 3, 4, 5, 5]));
+/// ```
+pub fn hexahedron_of(kind: &CellKind) -> Option<[usize; 8]> {
+    [
+        (&HEXAHEDRON, [0, 1, 2, 3, 4, 5, 6, 7]),
+        (&VOXEL, [0, 1, 3, 2, 4, 5, 7, 6]),
+        (&WEDGE, [0, 1, 2, 2, 3, 4, 5, 5]),
+        (&PYRAMID, [0, 1, 2, 3, 4, 4, 4, 4]),
+    ]
+    .into_iter()
+    .find_map(|(of, corners)| (of == kind).then_some(corners))
+}
