@@ -117,8 +117,7 @@ impl Dataset {
         // Orientation and volume of what is drawn: of the narrowed positions, by an exact predicate.
         let orientation: Vec<i8> = tets.par_iter().map(|&tet| orientation_of(tet.map(position))).collect();
         let canonical = if hexahedra.is_empty() { Vec::new() } else { canonical_from_point(&points) };
-        let shape =
-            |hex: &[u32; 8]| HexShape::new(hex.map(position), hex.map(|point| canonical[point as usize]));
+        let shape = |hex: &[u32; 8]| HexShape::new(hex.map(position), hex.map(|point| canonical[point as usize]));
         let shapes: Vec<HexShape> = hexahedra.par_iter().map(shape).collect();
         drop(canonical);
         counts.inverted = orientation.par_iter().filter(|&&sign| sign < 0).count() as u64

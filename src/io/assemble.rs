@@ -7,7 +7,7 @@ use super::UnstructuredMesh;
 use super::scratch::Scratch;
 use super::source::quote;
 use crate::cells::{self, CellClass, CellKind, Nodes};
-use crate::columns::{Array, Association, CellCounts, Dataset, TetMesh};
+use crate::columns::{Array, Association, CellCounts, CellMesh, Dataset, TetMesh};
 use crate::error::{Error, Result};
 
 // The bits of vtkGhostType that leave something out; of a cell: another piece owns it, or it is hidden.
@@ -31,41 +31,15 @@ impl UnstructuredMesh {
     /// # Errors
     /// Those of [`UnstructuredMesh::into_tets`], and [`Error::Io`] where a nameless file cannot be written.
     pub fn into_tets_in(self, scratch: &Scratch) -> Result<TetMesh> {
-        check(&self)?;
-        let hidden = Hidden::of(&self.arrays);
-        let mut counts = CellCounts { in_file: self.cells() as u64, ..CellCounts::default() };
         let mut canonical_from_point = Vec::new();
         let (mut tets, mut file_from_tet) = (scratch.column(), scratch.column());
-        for (cell, &code) in self.types.iter().enumerate() {
-            let corners = corners_of(&self, cell)?;
-            let (kind, nodes) = match cells::classify(code) {
-                CellClass::Unsupported(name) => {
-                    if counts.unsupported == 0 {
-                        tracing::warn!(cell, code, kind = name, "cells of this kind are not drawn");
-                    }
-                    counts.unsupported += 1;
-                    continue;
-                }
-                CellClass::LowerDimensional => {
-                    check_indices(&self, cell, corners)?;
-                    counts.lower_dimensional += 1;
-                    continue;
-                }
-                CellClass::Volume { kind, nodes } => (kind, nodes),
-            };
-            check_indices(&self, cell, corners)?;
-            check_nodes(kind, nodes, cell, corners.len())?;
-            if hidden.cell(cell) || corners.iter().any(|&point| hidden.point(point)) {
-                counts.ghost += 1;
-                continue;
+        let mut split = 0;
+        let mut counts = self.for_each_volume(|cell, kind, corners| {
+            if let Some(tet) = tet_of(kind, corners) {
+                tets.push(tet)?;
+                return file_from_tet.push(cell);
             }
-            counts.quadratic += u64::from(nodes != Nodes::Linear);
-            if kind.corners == 4 {
-                tets.push([corners[0], corners[1], corners[2], corners[3]])?;
-                file_from_tet.push(cell as u32)?;
-                continue;
-            }
-            counts.split += 1;
+            split += 1;
             if canonical_from_point.is_empty() {
                 canonical_from_point = cells::canonical_from_point(&self.points);
             }
@@ -76,15 +50,79 @@ impl UnstructuredMesh {
                 |point| canonical_from_point[point as usize],
                 |tet| {
                     if pushed.is_ok() {
-                        pushed = tets.push(tet).and_then(|()| file_from_tet.push(cell as u32));
+                        pushed = tets.push(tet).and_then(|()| file_from_tet.push(cell));
                     }
                 },
             );
-            pushed?;
-        }
+            pushed
+        })?;
+        counts.split = split;
         let Self { points, arrays, .. } = self;
         let (tets, file_from_tet) = (tets.finish()?, file_from_tet.finish()?);
         Ok(TetMesh { points, tets, file_from_tet, arrays, counts })
+    }
+
+    /// The cells with a volume, whole: tetrahedra, and hexahedra that stand for all other kinds.
+    ///
+    /// # Errors
+    /// Those of [`UnstructuredMesh::into_tets`].
+    pub fn into_cells(self) -> Result<CellMesh> {
+        let (mut tets, mut file_from_tet) = (Vec::new(), Vec::new());
+        let (mut hexahedra, mut file_from_hexahedron) = (Vec::new(), Vec::new());
+        let counts = self.for_each_volume(|cell, kind, corners| {
+            if let Some(tet) = tet_of(kind, corners) {
+                tets.push(tet);
+                file_from_tet.push(cell);
+            } else if let Some(hexahedron) = cells::hexahedron_of(kind) {
+                hexahedra.push(hexahedron.map(|corner| corners[corner]));
+                file_from_hexahedron.push(cell);
+            }
+            Ok(())
+        })?;
+        let Self { points, arrays, .. } = self;
+        Ok(CellMesh {
+            points,
+            tets: tets.into(),
+            file_from_tet: file_from_tet.into(),
+            hexahedra: hexahedra.into(),
+            file_from_hexahedron: file_from_hexahedron.into(),
+            arrays,
+            counts,
+        })
+    }
+
+    /// Checks the mesh, counts its cells, and hands those that are drawn to `take`: number, kind and nodes, corners first.
+    fn for_each_volume(&self, mut take: impl FnMut(u32, &CellKind, &[u32]) -> Result<()>) -> Result<CellCounts> {
+        check(self)?;
+        let hidden = Hidden::of(&self.arrays);
+        let mut counts = CellCounts { in_file: self.cells() as u64, ..CellCounts::default() };
+        for (cell, &code) in self.types.iter().enumerate() {
+            let corners = corners_of(self, cell)?;
+            let (kind, nodes) = match cells::classify(code) {
+                CellClass::Unsupported(name) => {
+                    if counts.unsupported == 0 {
+                        tracing::warn!(cell, code, kind = name, "cells of this kind are not drawn");
+                    }
+                    counts.unsupported += 1;
+                    continue;
+                }
+                CellClass::LowerDimensional => {
+                    check_indices(self, cell, corners)?;
+                    counts.lower_dimensional += 1;
+                    continue;
+                }
+                CellClass::Volume { kind, nodes } => (kind, nodes),
+            };
+            check_indices(self, cell, corners)?;
+            check_nodes(kind, nodes, cell, corners.len())?;
+            if hidden.cell(cell) || corners.iter().any(|&point| hidden.point(point)) {
+                counts.ghost += 1;
+                continue;
+            }
+            counts.quadratic += u64::from(nodes != Nodes::Linear);
+            take(cell as u32, kind, corners)?;
+        }
+        Ok(counts)
     }
 
     /// Checks the mesh, cuts it into tetrahedra and brings them into the order in which they are drawn.
@@ -94,6 +132,19 @@ impl UnstructuredMesh {
     pub fn into_dataset(self) -> Result<Dataset> {
         Dataset::from_tets(self.into_tets()?)
     }
+
+    /// As [`UnstructuredMesh::into_dataset`], cells whole.
+    ///
+    /// # Errors
+    /// Those of [`UnstructuredMesh::into_cells`] and [`Dataset::from_cells`].
+    pub fn into_whole_dataset(self) -> Result<Dataset> {
+        Dataset::from_cells(self.into_cells()?)
+    }
+}
+
+/// The corners of a cell that is a tetrahedron.
+fn tet_of(kind: &CellKind, corners: &[u32]) -> Option<[u32; 4]> {
+    if kind.corners == 4 { corners.first_chunk().copied() } else { None }
 }
 
 fn check(mesh: &UnstructuredMesh) -> Result<()> {

@@ -14,10 +14,12 @@ mod gpu;
 #[cfg(feature = "gpu")]
 #[path = "../common/gpus.rs"]
 mod gpus;
+mod hexahedra;
 mod hostile;
 mod meshes;
 mod monoid;
 mod order;
 mod parity;
+mod polyhedron;
 mod real;
 mod reference;

@@ -10,6 +10,8 @@ use cellfan::columns::Association;
 use cellfan::{Camera, Dataset, Field, Model, Projection, TransferFunction};
 use glam::DVec3;
 
+use crate::polyhedron::{Polyhedron, canonical_from_vertex};
+
 /// A ray's way through one cell; s is linear between its ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Segment {
@@ -35,15 +37,16 @@ struct Cell {
 /// A mesh and its field in f64.
 pub(crate) struct Reference {
     cells: Vec<Cell>,
+    polyhedra: Vec<Polyhedron>,
     origin: DVec3,
     diagonal_world: f64,
 }
 
 /// A ray in a mesh's own coordinates: `origin + w·direction` has view depth w.
 #[derive(Clone, Copy, Debug)]
-struct Ray {
-    origin: DVec3,
-    direction: DVec3,
+pub(crate) struct Ray {
+    pub(crate) origin: DVec3,
+    pub(crate) direction: DVec3,
 }
 
 impl Reference {
@@ -68,7 +71,23 @@ impl Reference {
                 cells.push(Cell { center, radius_squared, corners, scalars, index });
             }
         }
-        Self { cells, origin: dataset.origin, diagonal_world: (high - low).length() }
+        let mut polyhedra = Vec::new();
+        let hexahedra = dataset.hexahedra.view();
+        let canonical = if hexahedra.is_empty() { Vec::new() } else { canonical_from_vertex(dataset) };
+        for hexahedron in (0..hexahedra.len()).filter(|&cell| !hexahedra.shape(cell).is_absent()) {
+            let (vertex, index) = (hexahedra.get(hexahedron), dataset.tets.len() + hexahedron);
+            for c in vertex.map(corner) {
+                (low, high) = (low.min(c), high.max(c));
+            }
+            let scalars = match field.association {
+                Association::Point => vertex.map(|v| stored(v as usize)),
+                Association::Cell => [stored(index); 8],
+            };
+            if scalars.iter().all(|s| s.is_finite()) {
+                polyhedra.push(Polyhedron::new(index, vertex, scalars, dataset, &canonical));
+            }
+        }
+        Self { cells, polyhedra, origin: dataset.origin, diagonal_world: (high - low).length() }
     }
 
     /// The segments of the ray through the centre of pixel (x, y), between the near and the far plane, nearest first.
@@ -78,6 +97,7 @@ impl Reference {
         let near = camera.near.unwrap_or(1e-6 * self.diagonal_world);
         let far = camera.far.unwrap_or(f64::INFINITY);
         let mut segments: Vec<Segment> = self.cells.iter().filter_map(|cell| cell.meet(ray, near, far)).collect();
+        segments.extend(self.polyhedra.iter().flat_map(|cell| cell.meet(ray, near, far)));
         segments.sort_by(|a, b| a.w[0].total_cmp(&b.w[0]));
         segments
     }

@@ -10,6 +10,7 @@
 )]
 
 use super::compress::Compress;
+use super::hexahedra::HexHits;
 use super::planes::CellPlanes;
 use super::sink::{Fragments, Sink};
 use super::steep::SteepCell;
@@ -18,27 +19,28 @@ use crate::optics::lanes::{mask, max, min};
 use crate::optics::{CellSpan, Contribution, LANES, Lanes, Optics, Segments};
 
 /// The rays of one cell without gaps, and room for sixteen more.
-type Packed = [f32; PIXELS + LANES];
+pub(super) type Packed = [f32; PIXELS + LANES];
 
-const NO_RAYS: Packed = [0.0; PIXELS + LANES];
+pub(super) const NO_RAYS: Packed = [0.0; PIXELS + LANES];
 
 /// The rays that meet one cell; kept between cells and frames.
 pub(super) struct Hits {
     /// How many blocks, and how many rays.
     blocks: usize,
-    rays: usize,
+    pub(super) rays: usize,
     /// Per block: which it is, which of its lanes meet the cell (a bit each), the first of its rays.
     block: [u8; BLOCKS],
     lanes: [u16; BLOCKS],
     first: [u16; BLOCKS],
     /// Per ray: inverse depth at entry and exit, what of the scalar varies from ray to ray, world length per unit of depth.
-    v_enter: Box<Packed>,
-    v_leave: Box<Packed>,
+    pub(super) v_enter: Box<Packed>,
+    pub(super) v_leave: Box<Packed>,
     varying: Box<Packed>,
-    length_world_per_depth: Box<Packed>,
-    segments: Box<[Segments; BLOCKS]>,
+    pub(super) length_world_per_depth: Box<Packed>,
+    pub(super) segments: Box<[Segments; BLOCKS]>,
     contributions: Box<[Contribution; BLOCKS]>,
     packed_contributions: [Box<Packed>; 4],
+    pub(super) of_hexahedron: HexHits,
 }
 
 impl Default for Hits {
@@ -56,6 +58,7 @@ impl Default for Hits {
             segments: Box::new([Segments::NONE; BLOCKS]),
             contributions: Box::new([[[0.0; LANES]; 4]; BLOCKS]),
             packed_contributions: [(); 4].map(|()| Box::new(NO_RAYS)),
+            of_hexahedron: HexHits::default(),
         }
     }
 }
@@ -102,8 +105,7 @@ impl Hits {
                     is_hit[i] = mask(v_enter[i] > v_leave[i]);
                 }
                 let lanes = compress.bits(&is_hit);
-                let place = blocks % BLOCKS;
-                (self.block[place], self.lanes[place], self.first[place]) = (block as u8, lanes, rays as u16);
+                self.begin_block(blocks, block, lanes, rays);
                 put(&mut self.v_enter, rays, &compress.compress(lanes, &v_enter));
                 put(&mut self.v_leave, rays, &compress.compress(lanes, &v_leave));
                 put(&mut self.varying, rays, &compress.compress(lanes, &cell.scalar_at(origin_of(block))));
@@ -113,9 +115,46 @@ impl Hits {
                 rays += lanes.count_ones() as usize;
             }
         }
+        self.end_blocks(blocks, rays, cell.v_max);
+    }
+
+    /// The `nth` block of the cell is `block`, in which `lanes` meet it, the first of them ray `ray`.
+    #[inline(always)]
+    pub(super) fn begin_block(&mut self, nth: usize, block: usize, lanes: u16, ray: usize) {
+        let place = nth % BLOCKS;
+        (self.block[place], self.lanes[place], self.first[place]) = (block as u8, lanes, ray as u16);
+    }
+
+    /// The cell has so many blocks and rays.
+    #[inline(always)]
+    pub(super) fn end_blocks(&mut self, blocks: usize, rays: usize, v_max: f32) {
         // What is left of the last sixteen takes a depth of the cell, and no length: nothing infinite, nothing to mask later.
-        put(&mut self.v_enter, rays, &[cell.v_max; LANES]);
-        put(&mut self.v_leave, rays, &[cell.v_max; LANES]);
+        put(&mut self.v_enter, rays, &[v_max; LANES]);
+        put(&mut self.v_leave, rays, &[v_max; LANES]);
+        (self.blocks, self.rays) = (blocks.min(BLOCKS), rays.min(PIXELS));
+    }
+
+    /// Ray `ray` has the segment between inverse depths `v` with values `s` at its ends.
+    pub(super) fn put_ray(
+        &mut self,
+        ray: usize,
+        v: [f32; 2],
+        s: [f32; 2],
+        length_world_per_depth: f32,
+        is_perspective: bool,
+    ) {
+        let product = if is_perspective { v[0] * v[1] } else { 1.0 };
+        self.v_enter[ray] = v[0];
+        let (segments, lane) = (&mut self.segments[ray / LANES % BLOCKS], ray % LANES);
+        if lane == 0 {
+            *segments = Segments { enter: [s[0]; LANES], leave: [s[1]; LANES], length_world: [0.0; LANES] };
+        }
+        (segments.enter[lane], segments.leave[lane]) = (s[0], s[1]);
+        segments.length_world[lane] = (v[0] - v[1]) / product * length_world_per_depth;
+    }
+
+    /// The cell has so many blocks and rays, whose segments are known.
+    pub(super) fn end_parts(&mut self, blocks: usize, rays: usize) {
         (self.blocks, self.rays) = (blocks.min(BLOCKS), rays.min(PIXELS));
     }
 
@@ -197,7 +236,7 @@ impl Hits {
 
 /// Sixteen numbers from place `first` on.
 #[inline(always)]
-fn get(packed: &Packed, first: usize) -> Lanes {
+pub(super) fn get(packed: &Packed, first: usize) -> Lanes {
     let mut lanes = [0.0; LANES];
     lanes.copy_from_slice(&packed[first.min(PIXELS)..][..LANES]);
     lanes
@@ -205,6 +244,6 @@ fn get(packed: &Packed, first: usize) -> Lanes {
 
 /// Puts sixteen numbers at place `first` and on.
 #[inline(always)]
-fn put(packed: &mut Packed, first: usize, lanes: &Lanes) {
+pub(super) fn put(packed: &mut Packed, first: usize, lanes: &Lanes) {
     packed[first.min(PIXELS)..][..LANES].copy_from_slice(lanes);
 }

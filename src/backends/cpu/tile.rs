@@ -9,15 +9,18 @@
 )]
 
 use super::compress::Compress;
+use super::crossed::Crossed;
 use super::hits::Hits;
 use super::planes::CellPlanes;
 use super::sink::Sink;
 use super::steep::SteepCell;
 use crate::backends::Frame;
 use crate::backends::cpu::bins::TILE;
+use crate::columns::HexShape;
 use crate::optics::lanes::mask;
 use crate::optics::{CellSpan, LANES, Lanes, Mask, Optics};
 use crate::stages::View;
+use crate::stages::footprints::hexahedra::{HexFootprint, Outline};
 use crate::stages::footprints::planes::{Batch, Corners, TileRays};
 use crate::stages::sort::radix::{Pair, index_of};
 
@@ -87,6 +90,7 @@ pub(super) fn place_of(column: usize, row: usize) -> usize {
 pub(super) struct TileFrame<'a> {
     frame: &'a Frame<'a>,
     rays: TileRays,
+    first_px: [u32; 2],
     pub(super) lanes: LaneGrid,
     /// World length per unit of view depth, per pixel.
     pub(super) length_world_per_depth: [Lanes; BLOCKS],
@@ -102,7 +106,13 @@ impl<'a> TileFrame<'a> {
                 *length = view.length_world_per_depth(f64::from(x) + column as f64, f64::from(y) + row as f64) as f32;
             }
         }
-        Self { frame, rays: TileRays::new(view, x, y, TILE), lanes: LaneGrid::new(), length_world_per_depth }
+        Self {
+            frame,
+            rays: TileRays::new(view, x, y, TILE),
+            first_px: [x, y],
+            lanes: LaneGrid::new(),
+            length_world_per_depth,
+        }
     }
 
     pub(super) fn is_perspective(&self) -> bool {
@@ -122,22 +132,40 @@ pub(super) fn composite<O: Optics, S: Sink<O>, const PERSPECTIVE: bool>(
 ) {
     let frame = tile.frame;
     let (tets, positive) = (frame.dataset.tets.view(), &frame.dataset.positive);
+    let (hexahedra, first_hexahedron) = (frame.dataset.hexahedra.view(), frame.dataset.tets.len());
     let cell_values = frame.cell_values();
     let mut corners = Corners::default();
     let mut batch = Batch::default();
+    let mut of_hexahedron = Default::default();
     for cells in order.chunks(LANES) {
         if sink.is_all_done() {
             return;
         }
         for (lane, &pair) in cells.iter().enumerate() {
             let cell = index_of(pair) as usize;
+            if cell >= first_hexahedron {
+                continue;
+            }
             corners.set(lane, tets.get(cell), frame.vertices, positive.get(cell));
             if let Some(values) = cell_values {
                 corners.set_constant(lane, values[cell]);
             }
         }
         batch.set_up(&tile.rays, &corners);
-        for lane in 0..cells.len() {
+        for (lane, &pair) in cells.iter().enumerate() {
+            if let Some(hexahedron) = (index_of(pair) as usize).checked_sub(first_hexahedron) {
+                let constant = cell_values.map(|values| values[first_hexahedron + hexahedron]);
+                let cell = (hexahedra.get(hexahedron), hexahedra.shape(hexahedron));
+                composite_hexahedron::<O, S, PERSPECTIVE>(
+                    tile,
+                    optics,
+                    (cell, constant),
+                    compress,
+                    (hits, &mut of_hexahedron),
+                    sink,
+                );
+                continue;
+            }
             let cell = CellPlanes::new::<PERSPECTIVE>(&tile.lanes, &batch, lane);
             hits.find::<O, S>(tile, &cell, compress, sink);
             hits.cut::<PERSPECTIVE>(&cell);
@@ -146,6 +174,35 @@ pub(super) fn composite<O: Optics, S: Sink<O>, const PERSPECTIVE: bool>(
                 hits.correct::<PERSPECTIVE>(&tile.lanes, &steep);
             }
             hits.shade(optics, CellSpan::new(frame.pieces, cell.s_min, cell.s_max));
+            hits.send::<O, S>(tile, compress, sink);
+        }
+    }
+}
+
+/// Sends the fragments of a hexahedron to `sink`; `constant` is its value where it has one.
+#[inline(always)]
+fn composite_hexahedron<O: Optics, S: Sink<O>, const PERSPECTIVE: bool>(
+    tile: &TileFrame,
+    optics: &O,
+    (cell, constant): (([u32; 8], HexShape), Option<f32>),
+    compress: impl Compress,
+    (hits, memory): (&mut Hits, &mut (HexFootprint, Crossed)),
+    sink: &mut S,
+) {
+    let frame = tile.frame;
+    let (footprint, crossed) = memory;
+    footprint.set_up(&tile.rays, cell, frame.vertices, constant);
+    let span = CellSpan::new(frame.pieces, footprint.s_min, footprint.s_max);
+    if footprint.outline == Outline::Simple {
+        hits.find_hexahedron::<O, S>(tile, footprint, compress, sink);
+        hits.cut_hexahedron::<PERSPECTIVE>(footprint);
+        hits.shade(optics, span);
+        hits.send::<O, S>(tile, compress, sink);
+    } else {
+        crossed.find((frame.view, tile.first_px), cell, frame.vertices, footprint);
+        for nth in 0..crossed.most() {
+            crossed.put::<O, S>(nth, tile, footprint, hits, sink);
+            hits.shade(optics, span);
             hits.send::<O, S>(tile, compress, sink);
         }
     }

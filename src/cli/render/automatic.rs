@@ -4,10 +4,10 @@
 //! mesh's volume, none where it is background; the optical depth is that of a mesh as thick as this one. Absorption shows
 //! greys, emission adds up and must not blind, mip shows colours alone; a homogeneous mesh has one extinction.
 
+use arrayvec::ArrayVec;
 use cellfan::columns::{Association, Block};
 use cellfan::optics::presets::{ColorMap, OpacityProfile, preset};
 use cellfan::{ControlPoint, Dataset, Field, Model, Result, TransferFunction};
-use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::cli::numbers::short;

@@ -10,7 +10,8 @@ use glam::{DVec3, Vec3};
 
 use super::directory::{Directory, MAGIC, Span};
 use crate::columns::{
-    Array, ArrayRanges, BitColumn, Block, Bounds, Column, Dataset, Hexahedra, NumericColumn, SharedBytes, Tets, ValueRanges,
+    Array, ArrayRanges, BitColumn, Block, Bounds, Column, Dataset, Hexahedra, NumericColumn, SharedBytes, Tets,
+    ValueRanges,
 };
 use crate::error::{Error, Result, presentable, without_controls};
 use crate::io::mapping::bytes_of;

@@ -7,6 +7,7 @@
 //! back-facing one (the largest v); it is met where entry comes first. With v = 1/w each plane is affine in picture
 //! coordinates, on both sides of the eye, so that nothing is cut at the near plane.
 
+pub mod hexahedra;
 pub mod planes;
 
 use std::ops::Range;

@@ -125,6 +125,65 @@ impl TileRays {
     }
 }
 
+/// What a tile sees of a cell's corners.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Extent {
+    /// Smallest and largest inverse depth within the view's range.
+    pub(super) v_min: f32,
+    pub(super) v_max: f32,
+    /// Whether all corners lie within the view's range.
+    pub(super) is_within: bool,
+    /// First column, column after the last, and the same for rows.
+    pub(super) sides: [usize; 4],
+}
+
+impl TileRays {
+    /// Of a cell with corners at `p`.
+    #[inline(always)]
+    pub(super) fn extent<const N: usize>(&self, p: &[Vec3; N]) -> Extent {
+        let (mut low, mut high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
+        let (mut w_min, mut w_max) = (f32::INFINITY, f32::NEG_INFINITY);
+        for &corner in p {
+            let from_eye = corner - self.eye;
+            let w = dot(from_eye, self.forward);
+            let scale = if self.is_perspective { 1.0 / w } else { 1.0 };
+            let at =
+                [dot(from_eye, self.to_x) * scale + self.center[0], dot(from_eye, self.to_y) * scale + self.center[1]];
+            for axis in 0..2 {
+                low[axis] = min(low[axis], at[axis]);
+                high[axis] = max(high[axis], at[axis]);
+            }
+            w_min = min(w_min, w);
+            w_max = max(w_max, w);
+        }
+        let (far, near) = self.v_range;
+        let v_of = |w: f32| if self.is_perspective { 1.0 / w } else { -w };
+        let crosses_near = w_min < self.near;
+        let is_within = !crosses_near && v_of(w_max) >= far;
+        let v_max = if crosses_near { near } else { min(v_of(w_min), near) };
+        let v_min = if w_max < self.near { near } else { max(v_of(w_max), far) };
+        let side = self.side_px;
+        let first = |low: f32| min(max((low - self.pad_px).ceil(), 0.0), side) as usize;
+        let end = |high: f32| min(max((high + self.pad_px).floor() + 1.0, 0.0), side) as usize;
+        // A cell across the near plane has corners without a picture position.
+        let whole = [0, side as usize];
+        let [columns, rows] =
+            [0, 1].map(|axis: usize| if crosses_near { whole } else { [first(low[axis]), end(high[axis])] });
+        Extent { v_min, v_max, is_within, sides: [columns[0], columns[1], rows[0], rows[1]] }
+    }
+
+    /// Which side of the line through p and q a position is on: at the tile's first pixel, per column, per row.
+    #[inline(always)]
+    pub(super) fn side_of(&self, [p, q]: [Vec3; 2]) -> [f32; 3] {
+        let (m, first) = if self.is_perspective {
+            (cross(p - self.eye, q - p), self.first)
+        } else {
+            (cross(self.forward, q - p), self.first - p)
+        };
+        [dot(m, first), dot(m, self.step_x), dot(m, self.step_y)]
+    }
+}
+
 /// The corners of a batch of cells, one array per coordinate.
 #[derive(Clone, Copy, Debug)]
 pub struct Corners<const N: usize = LANES> {
@@ -359,12 +418,12 @@ pub(super) fn plane(rays: &TileRays, [a, b, c]: [Vec3; 3]) -> ([f32; 3], u32) {
 // Written out, without fused or reordered operations: the same bits in every lane, on every instruction set.
 
 #[inline(always)]
-fn dot(a: Vec3, b: Vec3) -> f32 {
+pub(super) fn dot(a: Vec3, b: Vec3) -> f32 {
     a.x * b.x + a.y * b.y + a.z * b.z
 }
 
 #[inline(always)]
-fn cross(a: Vec3, b: Vec3) -> Vec3 {
+pub(super) fn cross(a: Vec3, b: Vec3) -> Vec3 {
     Vec3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 }
 
