@@ -23,6 +23,7 @@ use cellfan::profile::{Profile, Stats, peak_rss_bytes};
 use cellfan::{CpuMethod, Dataset, Error, Image, Model, RenderOptions, Rendered, Scene, SortMethod, io};
 
 pub(super) use arguments::Arguments;
+use arguments::Cells;
 use backend::Backend;
 use memory::Memory;
 use pictures::Pictures;
@@ -48,7 +49,8 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         heap::give_back_early();
     }
     let mut before = Profile::default();
-    let mut dataset = read(path, !arguments.no_mmap, &mut before)?;
+    let is_whole = draws_whole(arguments, &backend)?;
+    let mut dataset = read(path, !arguments.no_mmap, is_whole, &mut before)?;
     let start = Instant::now();
     let field = array::choose(&dataset, arguments.array.as_deref()).map_err(|error| error.in_file(path))?;
     let (transfer, transfer_note) = transfer.make(&dataset, &field, options.model)?;
@@ -141,7 +143,7 @@ impl Frames {
 }
 
 /// Reads the mesh and puts its cells in order.
-fn read(path: &Path, use_map: bool, profile: &mut Profile) -> cellfan::Result<Dataset> {
+fn read(path: &Path, use_map: bool, is_whole: bool, profile: &mut Profile) -> cellfan::Result<Dataset> {
     let _progress = Progress::running(format!("reading {}", path.display()));
     let start = Instant::now();
     if path.is_file() && container::is_container(path)? {
@@ -153,9 +155,30 @@ fn read(path: &Path, use_map: bool, profile: &mut Profile) -> cellfan::Result<Da
     let bytes = path.metadata().map_or(0, |file| file.len());
     profile.add("read", start.elapsed(), bytes);
     profile.sample_memory();
-    let dataset = profile.time("order", || mesh.into_dataset()).map_err(|error| error.in_file(path));
+    let into_dataset = || if is_whole { mesh.into_whole_dataset() } else { mesh.into_dataset() };
+    let dataset = profile.time("order", into_dataset).map_err(|error| error.in_file(path));
     profile.sample_memory();
     dataset
+}
+
+/// Whether cells with more than four corners are drawn as they are.
+fn draws_whole(arguments: &Arguments, backend: &Backend) -> cellfan::Result<bool> {
+    let needs_tetrahedra = if backend.name() == "gpu" {
+        Some("a GPU")
+    } else if arguments.cpu_method == CpuMethod::Fans {
+        Some("--cpu-method fans")
+    } else if arguments.check_order {
+        Some("--check-order")
+    } else {
+        None
+    };
+    match (arguments.cells, needs_tetrahedra) {
+        (Some(Cells::Whole), Some(what)) => {
+            let problem = format!("whole cells are drawn as footprints on the CPU; {what} takes tetrahedra");
+            Err(Error::Option { option: "--cells", problem })
+        }
+        (cells, needs) => Ok(needs.is_none() && cells != Some(Cells::Tetrahedra)),
+    }
 }
 
 /// This version draws one mesh.

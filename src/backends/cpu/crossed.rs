@@ -7,13 +7,13 @@
 use arrayvec::ArrayVec;
 use glam::DVec3;
 
+use super::dispatch::Hexahedron;
 use super::hits::Hits;
-use super::sink::Sink;
 use super::tile::{BLOCK, BLOCKS_A_SIDE, TileFrame, origin_of};
 use crate::columns::HexShape;
-use crate::optics::{LANES, Optics};
+use crate::optics::LANES;
+use crate::stages::View;
 use crate::stages::footprints::hexahedra::{HexFootprint, TRIANGLES};
-use crate::stages::{SceneVertex, View};
 
 /// A part of a ray inside the cell.
 #[derive(Clone, Copy, Debug)]
@@ -131,10 +131,10 @@ impl Crossed {
     pub(super) fn find(
         &mut self,
         (view, first_px): (&View, [u32; 2]),
-        (vertex, shape): ([u32; 8], HexShape),
-        vertices: &[SceneVertex],
+        hexahedron: &Hexahedron<'_>,
         cell: &HexFootprint,
     ) {
+        let Hexahedron { vertex, shape, vertices, .. } = *hexahedron;
         self.parts.clear();
         self.most = 0;
         let corners = vertex.map(|v| vertices[v as usize]);
@@ -187,16 +187,9 @@ impl Crossed {
         self.most
     }
 
-    /// Puts the `nth` part of each ray into `hits`, in the blocks that `sink` still wants.
+    /// Puts the `nth` part of each ray into `hits`, but for the blocks in `done`.
     #[inline(never)]
-    pub(super) fn put<O: Optics, S: Sink<O>>(
-        &self,
-        nth: u8,
-        tile: &TileFrame,
-        cell: &HexFootprint,
-        hits: &mut Hits,
-        sink: &S,
-    ) {
+    pub(super) fn put(&self, nth: u8, tile: &TileFrame, hits: &mut Hits, done: u64) {
         let (mut blocks, mut rays) = (0, 0);
         for block in 0..BLOCKS_A_SIDE * BLOCKS_A_SIDE {
             let [x, y] = origin_of(block).map(|first| first as usize);
@@ -205,7 +198,7 @@ impl Crossed {
                 let is_in = part.nth == nth && (x..x + BLOCK).contains(&column) && (y..y + BLOCK).contains(&row);
                 is_in.then(|| (row - y) * BLOCK + column - x)
             };
-            if sink.is_done(block, cell.v_max) || !self.parts.iter().any(|part| lane_of(part).is_some()) {
+            if done >> block & 1 == 1 || !self.parts.iter().any(|part| lane_of(part).is_some()) {
                 continue;
             }
             let first = rays;

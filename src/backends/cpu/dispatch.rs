@@ -9,10 +9,15 @@
 #[cfg(target_arch = "x86_64")]
 use super::compress::{ByAvx2, ByAvx512};
 use super::compress::{ByLane, Compress};
+use super::hexahedra;
 use super::hits::Hits;
 use super::sink::Sink;
 use super::tile::{self, TileFrame};
+use crate::columns::HexShape;
 use crate::optics::Optics;
+use crate::stages::SceneVertex;
+use crate::stages::footprints::hexahedra::HexFootprint;
+use crate::stages::footprints::planes::TileRays;
 use crate::stages::sort::radix::Pair;
 
 /// An instruction set that kernels are compiled for.
@@ -34,8 +39,7 @@ impl InstructionSet {
         let mut sets = Vec::new();
         #[cfg(target_arch = "x86_64")]
         {
-            if std::env::var_os("CF_NO512").is_none()
-                && is_x86_feature_detected!("avx512f")
+            if is_x86_feature_detected!("avx512f")
                 && is_x86_feature_detected!("avx512bw")
                 && is_x86_feature_detected!("avx512dq")
                 && is_x86_feature_detected!("avx512vl")
@@ -103,14 +107,14 @@ fn composite<O: Optics, S: Sink<O>>(
     tile: &TileFrame,
     optics: &O,
     order: &[Pair],
-    compress: impl Compress,
+    kernels: impl HexKernels,
     hits: &mut Hits,
     sink: &mut S,
 ) {
     if tile.is_perspective() {
-        tile::composite::<O, S, true>(tile, optics, order, compress, hits, sink);
+        tile::composite::<O, S, true>(tile, optics, order, kernels, hits, sink);
     } else {
-        tile::composite::<O, S, false>(tile, optics, order, compress, hits, sink);
+        tile::composite::<O, S, false>(tile, optics, order, kernels, hits, sink);
     }
 }
 
@@ -133,3 +137,71 @@ fn composite_avx512<O: Optics, S: Sink<O>>(
     // SAFETY: this function itself may run only where the processor has AVX-512 F.
     composite(tile, optics, order, unsafe { ByAvx512::new() }, hits, sink);
 }
+
+/// What is done for a hexahedron whatever the optical model: compiled once for each instruction set, not once more for each model.
+pub(super) trait HexKernels: Compress {
+    /// [`HexFootprint::set_up`].
+    fn set_up(self, footprint: &mut HexFootprint, rays: &TileRays, hexahedron: &Hexahedron<'_>);
+    /// [`hexahedra::meet`].
+    fn meet(self, hits: &mut Hits, tile: &TileFrame, cell: &HexFootprint, done: u64);
+}
+
+/// A cell with its corners among all vertices, and its value where it has one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hexahedron<'a> {
+    pub(super) vertex: [u32; 8],
+    pub(super) shape: HexShape,
+    pub(super) vertices: &'a [SceneVertex],
+    pub(super) constant: Option<f32>,
+}
+
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "each caller compiles it for another instruction set")]
+fn set_up(footprint: &mut HexFootprint, rays: &TileRays, hexahedron: &Hexahedron<'_>) {
+    let Hexahedron { vertex, shape, vertices, constant } = *hexahedron;
+    footprint.set_up(rays, (vertex, shape), vertices, constant);
+}
+
+impl HexKernels for ByLane {
+    #[inline(never)]
+    fn set_up(self, footprint: &mut HexFootprint, rays: &TileRays, hexahedron: &Hexahedron<'_>) {
+        set_up(footprint, rays, hexahedron);
+    }
+
+    #[inline(never)]
+    fn meet(self, hits: &mut Hits, tile: &TileFrame, cell: &HexFootprint, done: u64) {
+        hexahedra::meet(hits, tile, cell, self, done);
+    }
+}
+
+macro_rules! hex_kernels {
+    ($by:ty, $features:literal, $set_up:ident, $meet:ident) => {
+        #[cfg(target_arch = "x86_64")]
+        impl HexKernels for $by {
+            fn set_up(self, footprint: &mut HexFootprint, rays: &TileRays, hexahedron: &Hexahedron<'_>) {
+                // SAFETY: whoever made `self` vouched for the processor.
+                unsafe { $set_up(footprint, rays, hexahedron) }
+            }
+
+            fn meet(self, hits: &mut Hits, tile: &TileFrame, cell: &HexFootprint, done: u64) {
+                // SAFETY: as above.
+                unsafe { $meet(self, hits, tile, cell, done) }
+            }
+        }
+
+        #[cfg(target_arch = "x86_64")]
+        #[target_feature(enable = $features)]
+        fn $set_up(footprint: &mut HexFootprint, rays: &TileRays, hexahedron: &Hexahedron<'_>) {
+            set_up(footprint, rays, hexahedron);
+        }
+
+        #[cfg(target_arch = "x86_64")]
+        #[target_feature(enable = $features)]
+        fn $meet(by: $by, hits: &mut Hits, tile: &TileFrame, cell: &HexFootprint, done: u64) {
+            hexahedra::meet(hits, tile, cell, by, done);
+        }
+    };
+}
+
+hex_kernels!(ByAvx2, "avx2", set_up_avx2, meet_avx2);
+hex_kernels!(ByAvx512, "avx512f,avx512bw,avx512dq,avx512vl", set_up_avx512, meet_avx512);

@@ -5,16 +5,14 @@
 //! the scalar from these triangles: the field of neighbours agrees on their face.
 #![expect(
     clippy::inline_always,
-    clippy::needless_range_loop,
     reason = "kernels must inline into the function compiled for wider vectors, and their loops over lanes become vector code"
 )]
 
 use super::compress::Compress;
 use super::hits::{Hits, NO_RAYS, Packed, get, put};
-use super::sink::Sink;
 use super::tile::{BLOCK, BLOCKS, BLOCKS_A_SIDE, LaneGrid, TileFrame, origin_of};
 use crate::optics::lanes::{mask, max, min, select};
-use crate::optics::{LANES, Lanes, Optics, Segments};
+use crate::optics::{LANES, Lanes, Segments};
 use crate::stages::footprints::hexahedra::{HexFootprint, Surface, TRIANGLES};
 
 /// What of a hexahedron's rays its triangles need to know; kept between cells and frames.
@@ -74,16 +72,20 @@ impl SurfaceLanes {
     }
 }
 
+/// Finds the rays that meet a hexahedron with a simple outline and cuts them to segments, but for the blocks in `done`.
+#[inline(always)]
+pub(super) fn meet(hits: &mut Hits, tile: &TileFrame, cell: &HexFootprint, compress: impl Compress, done: u64) {
+    hits.find_hexahedron(tile, cell, compress, done);
+    if tile.is_perspective() {
+        hits.cut_hexahedron::<true>(cell);
+    } else {
+        hits.cut_hexahedron::<false>(cell);
+    }
+}
+
 impl Hits {
-    /// Finds the rays that meet a hexahedron with a simple outline, in the blocks that `sink` still wants.
     #[inline(always)]
-    pub(super) fn find_hexahedron<O: Optics, S: Sink<O>>(
-        &mut self,
-        tile: &TileFrame,
-        cell: &HexFootprint,
-        compress: impl Compress,
-        sink: &S,
-    ) {
+    fn find_hexahedron(&mut self, tile: &TileFrame, cell: &HexFootprint, compress: impl Compress, done: u64) {
         let lanes = &tile.lanes;
         let [x0, x1, y0, y1] = cell.sides;
         let surfaces = |of: &[Surface]| -> arrayvec::ArrayVec<SurfaceLanes, TRIANGLES> {
@@ -94,7 +96,7 @@ impl Hits {
         for block_y in y0 / BLOCK..y1.div_ceil(BLOCK) {
             for block_x in x0 / BLOCK..x1.div_ceil(BLOCK) {
                 let block = (block_y * BLOCKS_A_SIDE + block_x) % BLOCKS;
-                if sink.is_done(block, cell.v_max) {
+                if done >> block & 1 == 1 {
                     continue;
                 }
                 let origin = origin_of(block);
@@ -144,9 +146,8 @@ impl Hits {
         self.end_blocks(blocks, rays, cell.v_max);
     }
 
-    /// Cuts the rays to segments.
     #[inline(always)]
-    pub(super) fn cut_hexahedron<const PERSPECTIVE: bool>(&mut self, cell: &HexFootprint) {
+    fn cut_hexahedron<const PERSPECTIVE: bool>(&mut self, cell: &HexFootprint) {
         for vector in 0..self.rays.div_ceil(LANES) {
             let of = |packed: &Packed| get(packed, vector * LANES);
             let (v_enter, v_leave) = (of(&self.v_enter), of(&self.v_leave));
@@ -183,10 +184,9 @@ fn scalars<const PERSPECTIVE: bool>(
     s: &mut Lanes,
 ) {
     let mut of_triangle = |triangle: u8| {
-        let scalar = &cell.scalars[usize::from(triangle) % TRIANGLES];
-        // Of base and slope, one is constant on the picture.
-        let ([c, dx, dy], constant) =
-            if PERSPECTIVE { (scalar.slope, scalar.base[0]) } else { (scalar.base, scalar.slope[0]) };
+        let lane = usize::from(triangle) % LANES;
+        let [c, dx, dy] = [cell.varying[0][lane], cell.varying[1][lane], cell.varying[2][lane]];
+        let constant = cell.constant[lane];
         for i in 0..LANES {
             let varying = c + dx * x[i] + dy * y[i];
             let value = if PERSPECTIVE { constant + varying * w[i] } else { varying + constant * w[i] };

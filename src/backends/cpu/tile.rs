@@ -8,15 +8,14 @@
     reason = "kernels must inline into the function compiled for wider vectors, and their loops over lanes become vector code"
 )]
 
-use super::compress::Compress;
 use super::crossed::Crossed;
+use super::dispatch::{HexKernels, Hexahedron};
 use super::hits::Hits;
 use super::planes::CellPlanes;
 use super::sink::Sink;
 use super::steep::SteepCell;
 use crate::backends::Frame;
 use crate::backends::cpu::bins::TILE;
-use crate::columns::HexShape;
 use crate::optics::lanes::mask;
 use crate::optics::{CellSpan, LANES, Lanes, Mask, Optics};
 use crate::stages::View;
@@ -76,6 +75,13 @@ pub(super) fn origin_of(block: usize) -> [f32; 2] {
     [(block % BLOCKS_A_SIDE * BLOCK) as f32, (block / BLOCKS_A_SIDE * BLOCK) as f32]
 }
 
+/// The blocks that a box of the tile's pixels touches: first column, column after the last, and the same for rows.
+#[inline(always)]
+pub(super) fn blocks_in([x0, x1, y0, y1]: [usize; 4]) -> impl Iterator<Item = usize> {
+    let row = move |row: usize| (x0 / BLOCK..x1.div_ceil(BLOCK)).map(move |column| (row * BLOCKS_A_SIDE + column) % BLOCKS);
+    (y0 / BLOCK..y1.div_ceil(BLOCK)).flat_map(row)
+}
+
 /// Column and row in the tile of lane `lane` of block `block`.
 fn pixel_of(block: usize, lane: usize) -> [usize; 2] {
     [block % BLOCKS_A_SIDE * BLOCK + lane % BLOCK, block / BLOCKS_A_SIDE * BLOCK + lane / BLOCK]
@@ -126,7 +132,7 @@ pub(super) fn composite<O: Optics, S: Sink<O>, const PERSPECTIVE: bool>(
     tile: &TileFrame,
     optics: &O,
     order: &[Pair],
-    compress: impl Compress,
+    compress: impl HexKernels,
     hits: &mut Hits,
     sink: &mut S,
 ) {
@@ -154,16 +160,10 @@ pub(super) fn composite<O: Optics, S: Sink<O>, const PERSPECTIVE: bool>(
         batch.set_up(&tile.rays, &corners);
         for (lane, &pair) in cells.iter().enumerate() {
             if let Some(hexahedron) = (index_of(pair) as usize).checked_sub(first_hexahedron) {
+                let (vertex, shape) = (hexahedra.get(hexahedron), hexahedra.shape(hexahedron));
                 let constant = cell_values.map(|values| values[first_hexahedron + hexahedron]);
-                let cell = (hexahedra.get(hexahedron), hexahedra.shape(hexahedron));
-                composite_hexahedron::<O, S, PERSPECTIVE>(
-                    tile,
-                    optics,
-                    (cell, constant),
-                    compress,
-                    (hits, &mut of_hexahedron),
-                    sink,
-                );
+                let hexahedron = Hexahedron { vertex, shape, vertices: frame.vertices, constant };
+                composite_hexahedron(tile, optics, &hexahedron, compress, (hits, &mut of_hexahedron), sink);
                 continue;
             }
             let cell = CellPlanes::new::<PERSPECTIVE>(&tile.lanes, &batch, lane);
@@ -179,31 +179,30 @@ pub(super) fn composite<O: Optics, S: Sink<O>, const PERSPECTIVE: bool>(
     }
 }
 
-/// Sends the fragments of a hexahedron to `sink`; `constant` is its value where it has one.
+/// Sends the fragments of a hexahedron to `sink`.
 #[inline(always)]
-fn composite_hexahedron<O: Optics, S: Sink<O>, const PERSPECTIVE: bool>(
+fn composite_hexahedron<O: Optics, S: Sink<O>>(
     tile: &TileFrame,
     optics: &O,
-    (cell, constant): (([u32; 8], HexShape), Option<f32>),
-    compress: impl Compress,
-    (hits, memory): (&mut Hits, &mut (HexFootprint, Crossed)),
+    hexahedron: &Hexahedron<'_>,
+    kernels: impl HexKernels,
+    (hits, (footprint, crossed)): (&mut Hits, &mut (HexFootprint, Crossed)),
     sink: &mut S,
 ) {
-    let frame = tile.frame;
-    let (footprint, crossed) = memory;
-    footprint.set_up(&tile.rays, cell, frame.vertices, constant);
-    let span = CellSpan::new(frame.pieces, footprint.s_min, footprint.s_max);
+    kernels.set_up(footprint, &tile.rays, hexahedron);
+    let done = blocks_in(footprint.sides).filter(|&block| sink.is_done(block, footprint.v_max));
+    let done = done.fold(0, |done, block| done | 1 << block);
+    let span = CellSpan::new(tile.frame.pieces, footprint.s_min, footprint.s_max);
     if footprint.outline == Outline::Simple {
-        hits.find_hexahedron::<O, S>(tile, footprint, compress, sink);
-        hits.cut_hexahedron::<PERSPECTIVE>(footprint);
+        kernels.meet(hits, tile, footprint, done);
         hits.shade(optics, span);
-        hits.send::<O, S>(tile, compress, sink);
-    } else {
-        crossed.find((frame.view, tile.first_px), cell, frame.vertices, footprint);
-        for nth in 0..crossed.most() {
-            crossed.put::<O, S>(nth, tile, footprint, hits, sink);
-            hits.shade(optics, span);
-            hits.send::<O, S>(tile, compress, sink);
-        }
+        hits.send::<O, S>(tile, kernels, sink);
+        return;
+    }
+    crossed.find((tile.frame.view, tile.first_px), hexahedron, footprint);
+    for nth in 0..crossed.most() {
+        crossed.put(nth, tile, hits, done);
+        hits.shade(optics, span);
+        hits.send::<O, S>(tile, kernels, sink);
     }
 }

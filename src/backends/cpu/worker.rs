@@ -16,6 +16,7 @@ use super::tile_source::LentTile;
 use crate::backends::{Counts, Frame};
 use crate::optics::{LANES, Optics};
 use crate::profile::anonymous_bytes;
+use crate::stages::footprints::hexahedra::TRIANGLES;
 use crate::stages::sort::SortKey;
 use crate::stages::sort::radix::{Pair, sort_local};
 
@@ -168,8 +169,9 @@ impl Worker {
             collect.composite(task.optics, pixels);
             counts
         };
-        // A cell has at most one fragment a pixel.
-        let most = order.len().saturating_mul(LANES * blocks.count_ones() as usize);
+        // A tetrahedron has at most one fragment a pixel, a hexahedron one for two of its twelve triangles.
+        let parts = if task.frame.dataset.hexahedra.is_empty() { 1 } else { TRIANGLES / 2 };
+        let most = order.len().saturating_mul(parts * LANES * blocks.count_ones() as usize);
         let limit = task.plan.map_or(usize::MAX, |plan| plan.fragments);
         if most <= limit {
             draw(blocks);

@@ -86,6 +86,10 @@ pub(in crate::cli) struct Arguments {
     /// How the CPU composites: planes per pixel, or the triangles of the papers.
     #[arg(long, value_name = "METHOD", help_heading = "Method", default_value = "footprints", value_parser = one_of([("footprints", CpuMethod::Footprints), ("fans", CpuMethod::Fans)]))]
     pub(super) cpu_method: CpuMethod,
+    /// Draw hexahedra, wedges, pyramids and voxels whole, or cut into tetrahedra, which is another field inside a cell
+    /// [default: whole where the method can: footprints, without --check-order].
+    #[arg(long, value_name = "CELLS", help_heading = "Method", value_parser = one_of([("whole", Cells::Whole), ("tetrahedra", Cells::Tetrahedra)]))]
+    pub(super) cells: Option<Cells>,
     /// Count the neighbouring cells that the order puts the wrong way round.
     #[arg(long, help_heading = "Method")]
     pub(super) check_order: bool,
@@ -118,6 +122,15 @@ Examples:
   cellfan render mesh.vtu -o out.exr --transfer tf.json --camera cam.json --size 1920x1080
   cellfan render mesh.vtu -o turn.png --frames 36 --orbit 360 --background 0,0,0
   cellfan render mesh.vtu -o out.npy --model absorption --stats - | jq .frame_ms";
+
+/// How cells with more than four corners are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Cells {
+    /// As they are.
+    Whole,
+    /// Cut.
+    Tetrahedra,
+}
 
 impl Arguments {
     /// Where the picture goes; by default the mesh's name with .png, in the current folder.

@@ -9,7 +9,6 @@
 //! folds outwards; where it folds inwards a ray may meet the cell twice, and the cell is [`Outline::Crossed`].
 #![expect(
     clippy::inline_always,
-    clippy::needless_range_loop,
     reason = "kernels must inline into the function compiled for wider vectors, and their loops over lanes become vector code"
 )]
 
@@ -18,66 +17,11 @@ use glam::Vec3;
 
 use super::planes::{FaceScalar, TileRays, cross, dot, plane};
 use crate::columns::HexShape;
-use crate::optics::lanes::{LANES, Lanes, Mask, mask};
+use crate::optics::lanes::{LANES, Lanes, Mask, mask, select};
 use crate::stages::SceneVertex;
 
 /// Triangles of a cell: two a face.
 pub const TRIANGLES: usize = 12;
-
-/// The triangles of a cell with their corners by ascending vertex number: their planes are the same bits in both cells that share them.
-#[derive(Clone, Copy, Debug)]
-pub struct Triangles {
-    /// Corners of each by ascending number of their vertices; unused lanes repeat the first.
-    pub corners: [[u8; 3]; LANES],
-    /// Set where those run clockwise seen from outside.
-    pub is_turned: Mask,
-    /// Set where the triangle's own corner lies to the other side of the diagonal than (b−a)×(c−a) of its corners says.
-    is_own_between: Mask,
-    /// Ends of each face's diagonal, ascending.
-    pub diagonals: [[u8; 2]; 6],
-}
-
-impl Triangles {
-    /// Of the cell with vertices `vertex` and `shape`.
-    #[inline(always)]
-    pub fn new(vertex: [u32; 8], shape: HexShape) -> Self {
-        let mut triangles = Self {
-            corners: [[0; 3]; LANES],
-            is_turned: [0; LANES],
-            is_own_between: [0; LANES],
-            diagonals: [[0; 2]; 6],
-        };
-        let number = |corner: u8| vertex[usize::from(corner & 7)];
-        for face in 0..6 {
-            let both = shape.triangles(face);
-            let [mut p, mut q, _] = both[0];
-            let is_falling = number(q) < number(p);
-            if is_falling {
-                (p, q) = (q, p);
-            }
-            triangles.diagonals[face] = [p, q];
-            for side in 0..2 {
-                let own = both[side][2];
-                let (below, above) = (number(own) < number(p), number(own) > number(q));
-                let sorted = if below {
-                    [own, p, q]
-                } else if above {
-                    [p, q, own]
-                } else {
-                    [p, own, q]
-                };
-                // p q own is counterclockwise for the first triangle unless the ends were exchanged, for the second if they were.
-                let is_between = !(below || above);
-                let is_clockwise = is_falling ^ (side == 1);
-                let lane = 2 * face + side;
-                triangles.corners[lane] = sorted;
-                triangles.is_turned[lane] = mask(is_clockwise ^ is_between);
-                triangles.is_own_between[lane] = mask(is_between);
-            }
-        }
-        triangles
-    }
-}
 
 /// A face, or one of its triangles, on one side of a cell.
 #[derive(Clone, Copy, Debug)]
@@ -102,8 +46,11 @@ pub enum Outline {
 pub struct HexFootprint {
     /// Inverse depth of each triangle's plane at the tile's first pixel, per column, per row.
     pub planes: [Lanes; 3],
-    /// The scalar on each triangle.
-    pub scalars: [FaceScalar; TRIANGLES],
+    /// What varies on the picture of the scalar on each triangle, the same three (see [`FaceScalar`]): the slope in perspective,
+    /// else the base.
+    pub varying: [Lanes; 3],
+    /// The other of base and slope.
+    pub constant: Lanes,
     /// Surfaces through which rays enter.
     pub fronts: ArrayVec<Surface, TRIANGLES>,
     /// Surfaces through which rays leave.
@@ -126,7 +73,8 @@ impl Default for HexFootprint {
     fn default() -> Self {
         Self {
             planes: [[0.0; LANES]; 3],
-            scalars: [FaceScalar::default(); TRIANGLES],
+            varying: [[0.0; LANES]; 3],
+            constant: [0.0; LANES],
             fronts: ArrayVec::new(),
             backs: ArrayVec::new(),
             outline: Outline::Crossed,
@@ -136,6 +84,49 @@ impl Default for HexFootprint {
             s_max: 0.0,
             sides: [0; 4],
         }
+    }
+}
+
+/// One corner of each triangle: its vertex; its position and scalar.
+#[derive(Clone, Copy)]
+struct CornerLanes {
+    vertex: Mask,
+    xyzs: [Lanes; 4],
+}
+
+impl CornerLanes {
+    const NONE: Self = Self { vertex: [0; LANES], xyzs: [[0.0; LANES]; 4] };
+
+    #[inline(always)]
+    fn set(&mut self, lane: usize, vertex: u32, SceneVertex { position: [x, y, z], scalar }: SceneVertex) {
+        self.vertex[lane] = vertex;
+        for (of, value) in self.xyzs.iter_mut().zip([x, y, z, scalar]) {
+            of[lane] = value;
+        }
+    }
+
+    #[inline(always)]
+    fn position(&self, lane: usize) -> Vec3 {
+        Vec3::new(self.xyzs[0][lane], self.xyzs[1][lane], self.xyzs[2][lane])
+    }
+
+    #[inline(always)]
+    fn scalar(&self, lane: usize) -> f32 {
+        self.xyzs[3][lane]
+    }
+
+    /// Exchanges the two corners of a lane where the first has the greater number; a mask of whether they were.
+    #[inline(always)]
+    fn order(first: &mut Self, second: &mut Self, lane: usize) -> u32 {
+        let (a, b) = (first.vertex[lane], second.vertex[lane]);
+        let is_exchanged = mask(a > b);
+        (first.vertex[lane], second.vertex[lane]) = (a.min(b), a.max(b));
+        for of in 0..4 {
+            let (a, b) = (first.xyzs[of][lane], second.xyzs[of][lane]);
+            first.xyzs[of][lane] = select(is_exchanged, b, a);
+            second.xyzs[of][lane] = select(is_exchanged, a, b);
+        }
+        is_exchanged
     }
 }
 
@@ -150,48 +141,85 @@ impl HexFootprint {
         constant: Option<f32>,
     ) {
         let corners = vertex.map(|v| vertices[v as usize]);
-        let p = corners.map(|corner| Vec3::from_array(corner.position));
-        let triangles = Triangles::new(vertex, shape);
-        let extent = rays.extent(&p);
+        let extent = rays.extent(&corners.map(|corner| Vec3::from_array(corner.position)));
         (self.v_min, self.v_max, self.sides) = (extent.v_min, extent.v_max, extent.sides);
+        self.outline = if shape.is_convex() && extent.is_within { Outline::Simple } else { Outline::Crossed };
 
-        let (mut is_along, mut is_flat) = ([0; LANES], [0; LANES]);
-        let mut of = [[[0.0_f32; LANES]; 3]; 3];
-        for lane in 0..LANES {
-            for k in 0..3 {
-                let corner = p[usize::from(triangles.corners[lane][k] & 7)];
-                (of[k][0][lane], of[k][1][lane], of[k][2][lane]) = (corner.x, corner.y, corner.z);
+        // The ends of each triangle's diagonal, then its own corner; face by face counterclockwise seen from outside.
+        let (mut p, mut q, mut own) = (CornerLanes::NONE, CornerLanes::NONE, CornerLanes::NONE);
+        for face in 0..6 {
+            for (side, triangle) in shape.triangles(face).into_iter().enumerate() {
+                let lane = 2 * face + side;
+                let [i, k, j] = triangle.map(|corner| usize::from(corner & 7));
+                p.set(lane, vertex[i], corners[i]);
+                q.set(lane, vertex[k], corners[k]);
+                own.set(lane, vertex[j], corners[j]);
             }
         }
+        let mut is_turned = [0; LANES];
+        let mut sides = [[0.0; LANES]; 3];
         for lane in 0..LANES {
-            let corner = |k: usize| Vec3::new(of[k][0][lane], of[k][1][lane], of[k][2][lane]);
-            let (a, b, c) = (corner(0), corner(1), corner(2));
+            is_turned[lane] = CornerLanes::order(&mut p, &mut q, lane);
+            let [at_first, per_column, per_row] = rays.side_of([p.position(lane), q.position(lane)]);
+            (sides[0][lane], sides[1][lane], sides[2][lane]) = (at_first, per_column, per_row);
+        }
+        // Corners by ascending number: planes are the same bits in both cells that share them.
+        let mut is_own_between = [0; LANES];
+        for lane in 0..LANES {
+            let is_below_q = CornerLanes::order(&mut q, &mut own, lane);
+            let is_below_p = CornerLanes::order(&mut p, &mut q, lane);
+            is_own_between[lane] = is_below_q ^ is_below_p;
+            is_turned[lane] ^= is_own_between[lane];
+        }
+        let (mut is_along, mut is_flat) = ([0; LANES], [0; LANES]);
+        for lane in 0..LANES {
+            let (a, b, c) = (p.position(lane), q.position(lane), own.position(lane));
             let ([at_first, per_column, per_row], along) = plane(rays, [a, b, c]);
             (self.planes[0][lane], self.planes[1][lane], self.planes[2][lane]) = (at_first, per_column, per_row);
             is_along[lane] = along;
             let n = cross(b - a, c - a);
             is_flat[lane] = mask(dot(n, n) == 0.0);
         }
-        match constant {
-            Some(value) => (self.s_min, self.s_max) = (value, value),
-            None => {
-                let s = corners.map(|corner| corner.scalar);
-                self.s_min = s.iter().copied().fold(f32::INFINITY, f32::min);
-                self.s_max = s.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-                for (scalar, corners) in self.scalars.iter_mut().zip(triangles.corners) {
-                    let corners = corners.map(|i| usize::from(i & 7));
-                    *scalar = FaceScalar::of_face(rays, corners.map(|i| p[i]), corners.map(|i| s[i]));
-                }
+        if let Some(value) = constant {
+            (self.s_min, self.s_max) = (value, value);
+        } else {
+            let s = corners.map(|corner| corner.scalar);
+            self.s_min = s.iter().copied().fold(f32::INFINITY, f32::min);
+            self.s_max = s.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+            for lane in 0..LANES {
+                let corners = [p.position(lane), q.position(lane), own.position(lane)];
+                let FaceScalar { base, slope } =
+                    FaceScalar::of_face(rays, corners, [p.scalar(lane), q.scalar(lane), own.scalar(lane)]);
+                let (varying, constant) = if rays.is_perspective() { (slope, base[0]) } else { (base, slope[0]) };
+                let [at_first, per_column, per_row] = varying;
+                (self.varying[0][lane], self.varying[1][lane], self.varying[2][lane]) = (at_first, per_column, per_row);
+                self.constant[lane] = constant;
             }
         }
-        let is_whole = shape.is_convex() && extent.is_within;
-        self.outline = if is_whole { Outline::Simple } else { Outline::Crossed };
+        self.find_surfaces(
+            shape,
+            |lane| (is_along[lane] ^ is_turned[lane]) & 1 == 1,
+            &is_flat,
+            |lane| {
+                // A triangle lies on the diagonal's positive side where det(p, q, own), relative to the eye, is positive.
+                ((is_along[lane] ^ is_own_between[lane]) & 1 == 1, [sides[0][lane], sides[1][lane], sides[2][lane]])
+            },
+        );
+    }
+
+    /// Puts faces, or triangles, to the side that they bound.
+    #[inline(always)]
+    fn find_surfaces(
+        &mut self,
+        shape: HexShape,
+        is_back: impl Fn(usize) -> bool,
+        is_flat: &Mask,
+        side_of: impl Fn(usize) -> (bool, [f32; 3]),
+    ) {
         self.fronts.clear();
         self.backs.clear();
         for face in 0..6 {
             let [first, second] = [2 * face, 2 * face + 1];
-            // The ray leaves through a triangle whose outward normal runs along with it.
-            let is_back = |lane: usize| (is_along[lane] ^ triangles.is_turned[lane]) & 1 == 1;
             let mut add = |is_back: bool, surface| {
                 if is_back { self.backs.push(surface) } else { self.fronts.push(surface) }
             };
@@ -201,11 +229,9 @@ impl HexFootprint {
                 (true, false) => add(is_back(first), alone(first)),
                 (false, true) => add(is_back(second), alone(second)),
                 (true, true) if is_back(first) == is_back(second) => {
-                    let ends = triangles.diagonals[face].map(|i| p[usize::from(i)]);
-                    // The own corner of a triangle lies on the diagonal's positive side where det(p, q, own) is positive.
-                    let is_first_positive = (is_along[first] ^ triangles.is_own_between[first]) & 1 == 1;
+                    let (is_first_positive, side) = side_of(first);
                     let both = if is_first_positive { [second, first] } else { [first, second] };
-                    add(is_back(first), Surface { triangles: both.map(|lane| lane as u8), side: rays.side_of(ends) });
+                    add(is_back(first), Surface { triangles: both.map(|lane| lane as u8), side });
                 }
                 (true, true) => {
                     if shape.is_concave(face) {

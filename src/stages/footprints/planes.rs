@@ -138,6 +138,12 @@ pub(super) struct Extent {
 }
 
 impl TileRays {
+    /// Whether rays leave the eye.
+    #[inline(always)]
+    pub(super) fn is_perspective(&self) -> bool {
+        self.is_perspective
+    }
+
     /// Of a cell with corners at `p`.
     #[inline(always)]
     pub(super) fn extent<const N: usize>(&self, p: &[Vec3; N]) -> Extent {
