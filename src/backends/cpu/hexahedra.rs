@@ -22,16 +22,21 @@ pub(super) struct HexHits {
     leave_through: Box<Packed>,
     x: Box<Packed>,
     y: Box<Packed>,
+    /// The surfaces of the cell at hand.
+    fronts: Box<[SurfaceLanes; TRIANGLES]>,
+    backs: Box<[SurfaceLanes; TRIANGLES]>,
 }
 
 impl Default for HexHits {
     fn default() -> Self {
         let [enter_through, leave_through, x, y] = [(); 4].map(|()| Box::new(NO_RAYS));
-        Self { enter_through, leave_through, x, y }
+        let [fronts, backs] = [(); 2].map(|()| Box::new([SurfaceLanes::default(); TRIANGLES]));
+        Self { enter_through, leave_through, x, y, fronts, backs }
     }
 }
 
 /// A surface with what its planes add in each lane of a block.
+#[derive(Clone, Copy, Default)]
 struct SurfaceLanes {
     triangles: [f32; 2],
     planes: [[f32; 3]; 2],
@@ -42,19 +47,16 @@ struct SurfaceLanes {
 
 impl SurfaceLanes {
     #[inline(always)]
-    fn new(lanes: &LaneGrid, cell: &HexFootprint, surface: &Surface) -> Self {
-        let plane = |triangle: u8| {
+    fn set(&mut self, lanes: &LaneGrid, cell: &HexFootprint, surface: &Surface) {
+        for (k, triangle) in surface.triangles.into_iter().enumerate() {
             let lane = usize::from(triangle) % LANES;
-            [cell.planes[0][lane], cell.planes[1][lane], cell.planes[2][lane]]
-        };
-        let planes = surface.triangles.map(plane);
-        Self {
-            triangles: surface.triangles.map(f32::from),
-            planes,
-            side: surface.side,
-            plane_offsets: planes.map(|[_, x, y]| lanes.offsets(x, y)),
-            side_offsets: lanes.offsets(surface.side[1], surface.side[2]),
+            let [c, x, y] = [cell.planes[0][lane], cell.planes[1][lane], cell.planes[2][lane]];
+            self.triangles[k] = f32::from(triangle);
+            self.planes[k] = [c, x, y];
+            self.plane_offsets[k] = lanes.offsets(x, y);
         }
+        self.side = surface.side;
+        self.side_offsets = lanes.offsets(surface.side[1], surface.side[2]);
     }
 
     /// Inverse depth along the rays of the block at `origin`, and the triangle that has it.
@@ -88,10 +90,10 @@ impl Hits {
     fn find_hexahedron(&mut self, tile: &TileFrame, cell: &HexFootprint, compress: impl Compress, done: u64) {
         let lanes = &tile.lanes;
         let [x0, x1, y0, y1] = cell.sides;
-        let surfaces = |of: &[Surface]| -> arrayvec::ArrayVec<SurfaceLanes, TRIANGLES> {
-            of.iter().map(|surface| SurfaceLanes::new(lanes, cell, surface)).collect()
-        };
-        let (fronts, backs) = (surfaces(&cell.fronts), surfaces(&cell.backs));
+        let HexHits { fronts, backs, .. } = &mut self.of_hexahedron;
+        for (of, surface) in fronts.iter_mut().zip(&cell.fronts).chain(backs.iter_mut().zip(&cell.backs)) {
+            of.set(lanes, cell, surface);
+        }
         let (mut blocks, mut rays) = (0, 0);
         for block_y in y0 / BLOCK..y1.div_ceil(BLOCK) {
             for block_x in x0 / BLOCK..x1.div_ceil(BLOCK) {
@@ -101,7 +103,7 @@ impl Hits {
                 }
                 let origin = origin_of(block);
                 let (mut v_enter, mut enter_through) = ([f32::INFINITY; LANES], [0.0; LANES]);
-                for surface in &fronts {
+                for surface in &self.of_hexahedron.fronts[..cell.fronts.len()] {
                     let (v, triangle) = surface.at(origin);
                     for i in 0..LANES {
                         enter_through[i] = select(mask(v[i] < v_enter[i]), triangle[i], enter_through[i]);
@@ -109,7 +111,7 @@ impl Hits {
                     }
                 }
                 let (mut v_leave, mut leave_through) = ([f32::NEG_INFINITY; LANES], [0.0; LANES]);
-                for surface in &backs {
+                for surface in &self.of_hexahedron.backs[..cell.backs.len()] {
                     let (v, triangle) = surface.at(origin);
                     for i in 0..LANES {
                         leave_through[i] = select(mask(v[i] > v_leave[i]), triangle[i], leave_through[i]);

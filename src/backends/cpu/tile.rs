@@ -78,7 +78,8 @@ pub(super) fn origin_of(block: usize) -> [f32; 2] {
 /// The blocks that a box of the tile's pixels touches: first column, column after the last, and the same for rows.
 #[inline(always)]
 pub(super) fn blocks_in([x0, x1, y0, y1]: [usize; 4]) -> impl Iterator<Item = usize> {
-    let row = move |row: usize| (x0 / BLOCK..x1.div_ceil(BLOCK)).map(move |column| (row * BLOCKS_A_SIDE + column) % BLOCKS);
+    let row =
+        move |row: usize| (x0 / BLOCK..x1.div_ceil(BLOCK)).map(move |column| (row * BLOCKS_A_SIDE + column) % BLOCKS);
     (y0 / BLOCK..y1.div_ceil(BLOCK)).flat_map(row)
 }
 
