@@ -221,18 +221,28 @@ fn find(bytes: &[u8], content: Content, source: Source<'_>) -> Result<Layout> {
 
 /// What the file's first numbers say if it is written in each of the ways, three dimensions before two; precision and
 /// visibility are still open.
-fn headers(bytes: &[u8], is_text: bool, content: Content) -> impl Iterator<Item = Layout> {
+fn headers(bytes: &[u8], is_text: bool, content: Content) -> Vec<Layout> {
     let orders = [ByteOrder::Little, ByteOrder::Big];
-    let binary = orders.into_iter().flat_map(|order| [false, true].map(|has_marks| Form::Binary { order, has_marks }));
-    let forms: Vec<Form> = if is_text { vec![Form::Text] } else { binary.collect() };
+    let binary = |has_marks: bool| orders.map(|order| Form::Binary { order, has_marks });
+    let forms = if is_text { vec![Form::Text] } else { [binary(true), binary(false)].concat() };
     let axes = if content == Content::Grid { &[3, 2][..] } else { &[3] };
-    let ways = axes.iter().flat_map(move |&axes| {
-        forms.clone().into_iter().flat_map(move |form| [false, true].map(|is_multi| (axes, form, is_multi)))
-    });
-    ways.filter_map(move |(axes, form, is_multi)| {
-        let dims = dims(bytes, form, is_multi, axes)?;
-        Some(Layout { form, content, is_multi, axes, dims, real: NumberType::F32, has_iblank: false })
-    })
+    let mut headers = Vec::new();
+    for &axes in axes {
+        for &form in &forms {
+            for is_multi in [false, true] {
+                if let Some(dims) = dims(bytes, form, is_multi, axes) {
+                    let (real, has_iblank) = (NumberType::F32, false);
+                    headers.push(Layout { form, content, is_multi, axes, dims, real, has_iblank });
+                }
+            }
+        }
+    }
+    // No other file begins with record marks that are right; without this, a part of one could pass for a whole grid.
+    let is_marked = |layout: &Layout| matches!(layout.form, Form::Binary { has_marks: true, .. });
+    if headers.iter().any(is_marked) {
+        headers.retain(is_marked);
+    }
+    headers
 }
 
 /// The dimensions of all blocks; none where a number is not positive or a record mark is wrong.

@@ -58,7 +58,7 @@ fn damage_is_named() {
         (CURVED, "DIMENSIONS 3 2 2", "DIMENSIONS 4294967296 4294967296 4294967296", "but there are 12"),
         (CURVED, "POINTS 12", "POINTS 13", "value 36 of 39"),
         (CURVED, "POINTS 12", "DOTS 12", "DOTS"),
-        (CURVED, "CELL_DATA 2\nSCALARS", "CELL_DATA 1\nVECTORS", "data type"),
+        (CURVED, "CELL_DATA 2\nSCALARS", "CELL_DATA 1\nVECTORS", "value 0 of 3"),
         (CURVED, "POINT_DATA 12", "CELL_DATA 12", "CELL_DATA: is for 12, but the mesh has 2"),
         (CURVED, "POINT_DATA 12", "POINT_DATA 11", "is for 11"),
         (AXES, "DIMENSIONS 3 2 2", "DIMENSIONS 3 2 1", "[3, 2, 2] coordinates"),
