@@ -21,7 +21,7 @@ use super::{Outcome, stdout};
 #[derive(Args)]
 #[command(after_help = "Examples:\n  cellfan info mesh.vtu\n  cellfan info mesh.vtu --json | jq .arrays")]
 pub(super) struct Arguments {
-    /// The mesh: .cells or any format that is read.
+    /// The mesh: .cells, .vtu, .vts, .vtr or parallel (.pvtu …), .vtk, or PLOT3D (.xyz, .x, .p3d, .bin).
     mesh: PathBuf,
     /// Write JSON.
     #[arg(long)]

@@ -5,12 +5,12 @@
 //! the cells of a block as it goes, `hidden.rs` knows which cells are left out.
 
 mod hidden;
+mod splitter;
 mod structured;
-mod tets;
 
 use self::hidden::Hidden;
 pub(super) use self::hidden::{DUPLICATE_CELL, GHOST_TYPE, HIDDEN_CELL, HIDDEN_POINT};
-use self::tets::Tets;
+use self::splitter::Splitter;
 use super::UnstructuredMesh;
 use super::scratch::Scratch;
 use super::source::quote;
@@ -36,7 +36,7 @@ impl UnstructuredMesh {
         check(&self)?;
         let hidden = Hidden::of(&self.arrays);
         let mut counts = CellCounts { in_file: self.cells() as u64, ..CellCounts::default() };
-        let mut tets = Tets::of(&self.points, scratch);
+        let mut tets = Splitter::of(&self.points, scratch);
         for (cell, &code) in self.types.iter().enumerate() {
             let corners = corners_of(&self, cell)?;
             let (kind, nodes) = match cells::classify(code) {

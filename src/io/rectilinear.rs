@@ -32,6 +32,7 @@ fn product<T: Copy>(count: usize, [ni, nj, nk]: [usize; 3], coordinate: impl Fn(
 }
 
 #[cfg(test)]
+#[expect(clippy::float_cmp, reason = "coordinates are copied bit for bit")]
 mod tests {
     use super::*;
 

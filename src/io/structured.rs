@@ -79,7 +79,9 @@ impl StructuredMesh {
         let found = at.map(|at| self.arrays.remove(at).values);
         let mut types: Vec<u8> =
             found.map_or(vec![0; self.cells()], |found| (0..found.len()).map(|i| found.get(i) as u8).collect());
-        cells.iter().for_each(|&cell| types[cell] |= bits);
+        for &cell in cells {
+            types[cell] |= bits;
+        }
         let (name, association) = (GHOST_TYPE.to_owned(), Association::Cell);
         self.arrays.push(Array { name, association, components: 1, values: types.into() });
     }

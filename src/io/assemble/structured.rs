@@ -1,7 +1,7 @@
 //! From a [`StructuredMesh`] to tetrahedra: the corners of each cell are made when it is cut.
 
 use super::super::StructuredMesh;
-use super::{Hidden, Scratch, Tets};
+use super::{Hidden, Scratch, Splitter};
 use crate::cells::HEXAHEDRON;
 use crate::columns::{CellCounts, Dataset, TetMesh};
 use crate::error::Result;
@@ -22,7 +22,7 @@ impl StructuredMesh {
     pub fn into_tets_in(self, scratch: &Scratch) -> Result<TetMesh> {
         let hidden = Hidden::of(self.arrays());
         let mut counts = CellCounts { in_file: self.cells() as u64, ..CellCounts::default() };
-        let mut tets = Tets::of(self.points(), scratch);
+        let mut tets = Splitter::of(self.points(), scratch);
         for block in self.blocks() {
             if !block.has_volume() {
                 counts.lower_dimensional += block.cells() as u64;

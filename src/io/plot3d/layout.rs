@@ -14,6 +14,8 @@ use crate::error::Result;
 const MARK: usize = 4;
 /// Bytes of an integer.
 const INTEGER: usize = 4;
+/// The bits of a number in single precision are those of a smaller integer only where it is denormal.
+const DENORMAL_BELOW: usize = 1 << 23;
 /// Most blocks that a message lists.
 const MOST_SHOWN: usize = 4;
 
@@ -237,10 +239,14 @@ fn headers(bytes: &[u8], is_text: bool, content: Content) -> Vec<Layout> {
             }
         }
     }
-    // No other file begins with record marks that are right; without this, a part of one could pass for a whole grid.
+    // A part of one file could pass for a whole one that is written in another way. But none begins by chance with record
+    // marks that are right, or with as many numbers of points as it has blocks: as coordinates these would be denormal.
     let is_marked = |layout: &Layout| matches!(layout.form, Form::Binary { has_marks: true, .. });
+    let is_multi = |layout: &Layout| layout.is_multi && layout.dims.as_flattened().iter().all(|&n| n < DENORMAL_BELOW);
     if headers.iter().any(is_marked) {
         headers.retain(is_marked);
+    } else if headers.iter().any(is_multi) {
+        headers.retain(is_multi);
     }
     headers
 }

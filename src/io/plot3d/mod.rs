@@ -9,6 +9,7 @@ mod numbers;
 mod words;
 
 #[cfg(test)]
+#[expect(clippy::float_cmp, reason = "values are read bit for bit")]
 mod tests;
 
 use std::fs::File;

@@ -19,15 +19,11 @@ impl Extent {
         let missing = || source.malformed(element.place(), format!("has no attribute {name:?}"));
         let text = element.attribute(name).ok_or_else(missing)?;
         let numbers: Option<Vec<i32>> = text.split_ascii_whitespace().map(|word| word.parse().ok()).collect();
-        match numbers.as_deref() {
-            Some(&[i0, i1, j0, j1, k0, k1]) => {
-                Ok(Self { first: [i0, j0, k0].map(i64::from), last: [i1, j1, k1].map(i64::from) })
-            }
-            _ => {
-                let problem = format!("{name}={} are not six whole numbers", quote(text.as_bytes()));
-                Err(source.malformed(element.place(), problem))
-            }
-        }
+        let Some(&[i0, i1, j0, j1, k0, k1]) = numbers.as_deref() else {
+            let problem = format!("{name}={} are not six whole numbers", quote(text.as_bytes()));
+            return Err(source.malformed(element.place(), problem));
+        };
+        Ok(Self { first: [i0, j0, k0].map(i64::from), last: [i1, j1, k1].map(i64::from) })
     }
 
     /// Points along i, j and k.

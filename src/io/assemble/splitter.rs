@@ -1,4 +1,4 @@
-//! `Tets`: the tetrahedra of a mesh while its cells are cut.
+//! `Splitter`: the tetrahedra of a mesh while its cells are cut.
 
 use super::super::scratch::{Growing, Scratch};
 use crate::cells::{self, CellKind};
@@ -6,7 +6,7 @@ use crate::columns::{Column, Points};
 use crate::error::Result;
 
 /// The tetrahedra so far, each with the cell that it is of.
-pub(super) struct Tets<'a> {
+pub(super) struct Splitter<'a> {
     points: &'a Points,
     /// Empty until the first cell is split.
     canonical_from_point: Vec<u32>,
@@ -14,7 +14,7 @@ pub(super) struct Tets<'a> {
     file_from_tet: Growing<'a, u32>,
 }
 
-impl<'a> Tets<'a> {
+impl<'a> Splitter<'a> {
     pub(super) fn of(points: &'a Points, scratch: &'a Scratch) -> Self {
         Self { points, canonical_from_point: Vec::new(), tets: scratch.column(), file_from_tet: scratch.column() }
     }
