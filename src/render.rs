@@ -361,7 +361,7 @@ fn cell_stats(dataset: &Dataset, counts: &Counts, is_classified: bool) -> CellSt
         Vec::new()
     };
     CellStats {
-        total: dataset.cells() as u64 + file.degenerate + skipped,
+        total: (dataset.cells() - dataset.hexahedra.absent()) as u64 + file.degenerate + skipped,
         drawn: counts.drawn,
         culled_transparent: counts.culled_transparent,
         culled_outside: counts.culled_outside,

@@ -18,7 +18,7 @@ use super::progress::Progress;
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
-    /// The mesh: .vtu, .pvtu or .vtk.
+    /// The mesh: .vtu, .vts, .vtr or parallel (.pvtu …), .vtk, or PLOT3D (.xyz, .x, .p3d, .bin).
     mesh: PathBuf,
     /// The container to write.
     #[arg(value_name = "OUT.cells")]

@@ -8,7 +8,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use cellfan::columns::{Array, ArrayRanges, CellCounts, Points, ValueRanges};
-use cellfan::io::{UnstructuredMesh, container, formats, open_mesh};
+use cellfan::io::{Mesh, StructuredBlock, container, formats, open_mesh};
 use cellfan::{Dataset, Error};
 use clap::Args;
 use rayon::prelude::*;
@@ -21,7 +21,7 @@ use super::{Outcome, stdout};
 #[derive(Args)]
 #[command(after_help = "Examples:\n  cellfan info mesh.vtu\n  cellfan info mesh.vtu --json | jq .arrays")]
 pub(super) struct Arguments {
-    /// The mesh: .cells, .vtu, .pvtu or .vtk.
+    /// The mesh: .cells, .vtu, .vts, .vtr or parallel (.pvtu …), .vtk, or PLOT3D (.xyz, .x, .p3d, .bin).
     mesh: PathBuf,
     /// Write JSON.
     #[arg(long)]
@@ -59,11 +59,15 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
     stdout::write(&if arguments.json { report.to_json() } else { report.to_string() })
 }
 
-fn report(path: &Path, mesh: UnstructuredMesh) -> cellfan::Result<Report> {
-    let points = mesh.points.len() as u64;
-    let kinds = kinds::count(&mesh.types);
-    let arrays = mesh.arrays.iter().map(array_report).collect();
-    let bounds = bounds(&mesh.points);
+fn report(path: &Path, mesh: Mesh) -> cellfan::Result<Report> {
+    let points = mesh.points().len() as u64;
+    let kinds = kinds::count(&mesh.cells_by_code());
+    let dims = match &mesh {
+        Mesh::Structured(mesh) => mesh.blocks().iter().map(StructuredBlock::dims).collect(),
+        Mesh::Unstructured(_) => Vec::new(),
+    };
+    let arrays = mesh.arrays().iter().map(array_report).collect();
+    let bounds = bounds(mesh.points());
     let tets = mesh.into_tets()?;
     let counts = tets.counts;
     let (counts, drawn) = match Dataset::from_tets(tets) {
@@ -78,6 +82,7 @@ fn report(path: &Path, mesh: UnstructuredMesh) -> cellfan::Result<Report> {
         points,
         cells: counts.in_file,
         kinds,
+        dims,
         bounds,
         arrays,
         counts,
@@ -113,6 +118,7 @@ fn report_container(path: &Path, dataset: &Dataset) -> Report {
         points: dataset.positions.len() as u64,
         cells,
         kinds: vec![kinds::tetrahedra(cells)],
+        dims: Vec::new(),
         bounds: Some([corner(bounds.min), corner(bounds.max)]),
         arrays: dataset.arrays.iter().zip(&dataset.array_ranges).map(array).collect(),
         counts: dataset.counts,
@@ -171,7 +177,7 @@ fn format_name(path: &Path) -> &'static str {
 fn remarks(counts: &CellCounts) -> Vec<(u64, &'static str)> {
     let all = [
         (counts.lower_dimensional, "skipped: no volume by their kind (points, lines, faces)"),
-        (counts.ghost, "skipped: hidden by vtkGhostType"),
+        (counts.ghost, "skipped: hidden by vtkGhostType or IBlank"),
         (counts.unsupported, "skipped: kinds that this version does not draw"),
         (counts.split, "split into tetrahedra: another field than the unsplit cell's"),
         (counts.quadratic, "quadratic: drawn by their corners"),

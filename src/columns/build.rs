@@ -1,5 +1,7 @@
 //! From cells in file order to a [`Dataset`]: check, re-centre, orient, drop what has no volume, order in space.
 
+mod structured;
+
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -44,6 +46,8 @@ impl Points {
         }
     }
 }
+
+pub use structured::StructuredCells;
 
 /// Tetrahedra in file order: what a reader or a generator hands over.
 #[derive(Clone, Debug)]

@@ -152,9 +152,22 @@ impl Dataset {
     /// Cells per block (the last has fewer).
     pub const BLOCK_CELLS: usize = 4096;
 
-    /// How many cells there are.
+    /// How many cells there are, those included that are numbered and not drawn.
     pub fn cells(&self) -> usize {
         self.tets.len() + self.hexahedra.len()
+    }
+
+    /// How many cells of block `block` may be drawn: all but hidden ones and those without volume, which keep their numbers.
+    ///
+    /// # Panics
+    /// If there is no such block.
+    pub fn cells_drawn_in(&self, block: usize) -> u64 {
+        let cells = &self.blocks[block].cells;
+        if self.hexahedra.absent() == 0 || cells.start < self.tets.len() {
+            return cells.len() as u64;
+        }
+        let shapes = self.hexahedra.view();
+        cells.clone().filter(|cell| !shapes.shape(cell - self.tets.len()).is_absent()).count() as u64
     }
 
     /// The vertices of cell `cell`: four or eight.

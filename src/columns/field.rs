@@ -4,7 +4,7 @@ use arrayvec::ArrayVec;
 use rayon::prelude::*;
 
 use super::{Array, Association, Column, Dataset, NumericColumn, ValueRanges};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, presentable};
 
 /// How several components become one scalar.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -86,7 +86,7 @@ impl Dataset {
                 name: selection.name.clone(),
                 available: self.arrays.iter().map(|array| array.name.clone()).collect(),
             })?;
-        let unusable = |problem: String| Error::UnusableArray { name: array.name.clone(), problem };
+        let unusable = |problem: String| Error::UnusableArray { name: presentable(array.name.clone()), problem };
         if let Component::Index(index) = selection.component
             && index >= array.components
         {

@@ -1,6 +1,6 @@
 //! Columns: a mesh as structure-of-arrays data, validated once and then read as slices.
 //!
-//! In: [`TetMesh`] or [`CellMesh`], cells in file order, as a reader or a generator makes them.
+//! In: [`TetMesh`], [`CellMesh`] or [`StructuredCells`], cells in file order, as a reader or a generator makes them.
 //! Out: [`Dataset`] (cells and vertices in spatial order, in blocks) and [`Field`] (one scalar per vertex or cell).
 //! To add a column: a member of [`Dataset`], its check in `build.rs`, its line in [`BlockView`] if stages read it.
 
@@ -21,7 +21,7 @@ pub use array::{Array, Association, NumericColumn};
 pub use backing::Backing;
 pub use bits::BitColumn;
 pub(crate) use build::describe;
-pub use build::{CellMesh, Points, TetMesh};
+pub use build::{CellMesh, Points, StructuredCells, TetMesh};
 pub use column::{Column, SharedBytes};
 pub use dataset::{ArrayRanges, Block, BlockCells, BlockView, Bounds, CellCounts, Dataset, ValueRanges};
 pub use field::{Component, Field, FieldSelection};

@@ -1,20 +1,22 @@
-//! From an [`UnstructuredMesh`] to tetrahedra: check, leave out, split.
+//! From a mesh to tetrahedra: check, leave out, split.
 //!
 //! In: cells of any kinds in file order. Out: [`TetMesh`], every index in range, and the counts of what became of the
-//! cells. A mesh of tetrahedra keeps its points; cells with more corners are split by [`cells::split`].
+//! cells. A mesh of tetrahedra keeps its points; cells with more corners are split by [`cells::split`]. `structured.rs` makes
+//! the cells of a block as it goes, `hidden.rs` knows which cells are left out.
 
+mod hidden;
+mod splitter;
+mod structured;
+
+use self::hidden::Hidden;
+pub(super) use self::hidden::{DUPLICATE_CELL, GHOST_TYPE, HIDDEN_CELL, HIDDEN_POINT};
+use self::splitter::Splitter;
 use super::UnstructuredMesh;
 use super::scratch::Scratch;
 use super::source::quote;
 use crate::cells::{self, CellClass, CellKind, Nodes};
 use crate::columns::{Array, Association, CellCounts, CellMesh, Dataset, TetMesh};
 use crate::error::{Error, Result};
-
-// The bits of vtkGhostType that leave something out; of a cell: another piece owns it, or it is hidden.
-const DUPLICATE_CELL: u8 = 1;
-const HIDDEN_CELL: u8 = 32;
-// Of a point: every cell that uses it is left out.
-const HIDDEN_POINT: u8 = 2;
 
 impl UnstructuredMesh {
     /// Checks the mesh and cuts it into tetrahedra.
@@ -31,34 +33,18 @@ impl UnstructuredMesh {
     /// # Errors
     /// Those of [`UnstructuredMesh::into_tets`], and [`Error::Io`] where a nameless file cannot be written.
     pub fn into_tets_in(self, scratch: &Scratch) -> Result<TetMesh> {
-        let mut canonical_from_point = Vec::new();
-        let (mut tets, mut file_from_tet) = (scratch.column(), scratch.column());
+        let mut tets = Splitter::of(&self.points, scratch);
         let mut split = 0;
         let mut counts = self.for_each_volume(|cell, kind, corners| {
             if let Some(tet) = tet_of(kind, corners) {
-                tets.push(tet)?;
-                return file_from_tet.push(cell);
+                return tets.push(tet, cell as usize);
             }
             split += 1;
-            if canonical_from_point.is_empty() {
-                canonical_from_point = cells::canonical_from_point(&self.points);
-            }
-            let mut pushed = Ok(());
-            cells::split(
-                kind,
-                corners,
-                |point| canonical_from_point[point as usize],
-                |tet| {
-                    if pushed.is_ok() {
-                        pushed = tets.push(tet).and_then(|()| file_from_tet.push(cell));
-                    }
-                },
-            );
-            pushed
+            tets.split(kind, corners, cell as usize)
         })?;
         counts.split = split;
+        let (tets, file_from_tet) = tets.finish()?;
         let Self { points, arrays, .. } = self;
-        let (tets, file_from_tet) = (tets.finish()?, file_from_tet.finish()?);
         Ok(TetMesh { points, tets, file_from_tet, arrays, counts })
     }
 
@@ -155,15 +141,24 @@ fn check(mesh: &UnstructuredMesh) -> Result<()> {
             return Err(Error::TooLarge { column, len, limit });
         }
     }
-    let mismatch = |column: String, len, expected| Err(Error::LengthMismatch { column, len, expected });
     if mesh.offsets.len() as u64 != cells + 1 {
-        return mismatch("offsets".to_owned(), mesh.offsets.len() as u64, cells + 1);
+        let (len, expected) = (mesh.offsets.len() as u64, cells + 1);
+        return Err(Error::LengthMismatch { column: "offsets".to_owned(), len, expected });
     }
-    for array in &mesh.arrays {
+    check_lengths(&mesh.arrays, points, cells)
+}
+
+/// Every array has a tuple for each of `points` points or `cells` cells.
+pub(super) fn check_lengths(arrays: &[Array], points: u64, cells: u64) -> Result<()> {
+    for array in arrays {
         let tuples = if array.association == Association::Point { points } else { cells };
-        let expected = tuples.saturating_mul(array.components as u64);
-        if array.values.len() as u64 != expected {
-            return mismatch(format!("array {}", quote(array.name.as_bytes())), array.values.len() as u64, expected);
+        let (len, expected) = (array.values.len() as u64, tuples.saturating_mul(array.components as u64));
+        if len != expected {
+            return Err(Error::LengthMismatch {
+                column: format!("array {}", quote(array.name.as_bytes())),
+                len,
+                expected,
+            });
         }
     }
     Ok(())
@@ -193,34 +188,4 @@ fn check_nodes(kind: &CellKind, nodes: Nodes, cell: usize, found: usize) -> Resu
     }
     let column = format!("cell {cell} ({})", kind.name);
     Err(Error::LengthMismatch { column, len: found as u64, expected: nodes.least(kind) as u64 })
-}
-
-/// What the ghost arrays of a mesh hide.
-struct Hidden<'a> {
-    types: Option<&'a Array>,
-    levels: Option<&'a Array>,
-    points: Option<&'a Array>,
-}
-
-impl<'a> Hidden<'a> {
-    fn of(arrays: &'a [Array]) -> Self {
-        let find = |name: &str, association| {
-            arrays.iter().find(|a| a.name == name && a.association == association && a.components == 1)
-        };
-        Self {
-            types: find("vtkGhostType", Association::Cell),
-            // The older convention: how many cells away the piece is that owns the cell.
-            levels: find("vtkGhostLevels", Association::Cell),
-            points: find("vtkGhostType", Association::Point),
-        }
-    }
-
-    fn cell(&self, cell: usize) -> bool {
-        self.types.is_some_and(|array| array.values.get(cell) as u8 & (DUPLICATE_CELL | HIDDEN_CELL) != 0)
-            || self.levels.is_some_and(|array| array.values.get(cell) > 0.0)
-    }
-
-    fn point(&self, point: u32) -> bool {
-        self.points.is_some_and(|array| array.values.get(point as usize) as u8 & HIDDEN_POINT != 0)
-    }
 }

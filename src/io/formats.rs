@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
+use super::plot3d::read_plot3d_in;
 use super::pvtu::read_pvtu_in;
 use super::vtk_legacy::read_vtk_in;
 use super::vtu::read_vtu_in;
-use super::{Scratch, UnstructuredMesh};
+use super::{Mesh, Scratch, vts};
 use crate::error::{Error, Result};
 
 /// A format that is read.
@@ -18,7 +19,7 @@ pub struct Format {
     /// Whether a file that begins like this is of the format, whatever it is called.
     pub recognises: fn(&[u8]) -> bool,
     /// Reads the bytes of a file with a name; its columns go where the scratch says.
-    pub read: fn(&[u8], &Path, &Scratch) -> Result<UnstructuredMesh>,
+    pub read: fn(&[u8], &Path, &Scratch) -> Result<Mesh>,
 }
 
 /// A format that is known and not read.
@@ -43,19 +44,50 @@ pub const READ: &[Format] = &[
         name: "VTK XML unstructured grid",
         extensions: &["vtu"],
         recognises: |bytes| xml_type(bytes).is_some_and(|kind| kind == b"UnstructuredGrid"),
-        read: read_vtu_in,
+        read: |bytes, path, scratch| read_vtu_in(bytes, path, scratch).map(Mesh::from),
     },
     Format {
         name: "VTK XML parallel unstructured grid",
         extensions: &["pvtu"],
         recognises: |bytes| xml_type(bytes).is_some_and(|kind| kind == b"PUnstructuredGrid"),
-        read: read_pvtu_in,
+        read: |bytes, path, scratch| read_pvtu_in(bytes, path, scratch).map(Mesh::from),
+    },
+    Format {
+        name: "VTK XML structured grid",
+        extensions: &["vts"],
+        recognises: |bytes| xml_type(bytes).is_some_and(|kind| kind == b"StructuredGrid"),
+        read: |bytes, path, scratch| vts::read_file(bytes, path, &vts::STRUCTURED, scratch).map(Mesh::from),
+    },
+    Format {
+        name: "VTK XML parallel structured grid",
+        extensions: &["pvts"],
+        recognises: |bytes| xml_type(bytes).is_some_and(|kind| kind == b"PStructuredGrid"),
+        read: |bytes, path, scratch| vts::read_parallel(bytes, path, &vts::STRUCTURED, scratch).map(Mesh::from),
+    },
+    Format {
+        name: "VTK XML rectilinear grid",
+        extensions: &["vtr"],
+        recognises: |bytes| xml_type(bytes).is_some_and(|kind| kind == b"RectilinearGrid"),
+        read: |bytes, path, scratch| vts::read_file(bytes, path, &vts::RECTILINEAR, scratch).map(Mesh::from),
+    },
+    Format {
+        name: "VTK XML parallel rectilinear grid",
+        extensions: &["pvtr"],
+        recognises: |bytes| xml_type(bytes).is_some_and(|kind| kind == b"PRectilinearGrid"),
+        read: |bytes, path, scratch| vts::read_parallel(bytes, path, &vts::RECTILINEAR, scratch).map(Mesh::from),
     },
     Format {
         name: "VTK legacy",
         extensions: &["vtk"],
         recognises: |bytes| bytes.starts_with(b"# vtk DataFile"),
         read: read_vtk_in,
+    },
+    Format {
+        name: "PLOT3D",
+        extensions: &["xyz", "x", "p3d", "bin"],
+        // It begins with numbers, as anything may.
+        recognises: |_| false,
+        read: |bytes, path, scratch| read_plot3d_in(bytes, path, scratch).map(Mesh::from),
     },
 ];
 
@@ -80,12 +112,10 @@ pub const REFUSED: &[Refused] = &[
     refused("a VolVis volume (SLC)", &["slc"], GRID_TO_VTU),
     refused("a MetaImage volume", &["mhd", "mha"], GRID_TO_VTU),
     refused("a raw volume", &["raw"], GRID_TO_VTU),
-    refused("a VTK XML structured grid", &["vts", "pvts"], GRID_TO_VTU),
-    refused("a VTK XML rectilinear grid", &["vtr", "pvtr"], GRID_TO_VTU),
     refused("a VTK XML image", &["vti", "pvti"], GRID_TO_VTU),
     refused("a VTK XML surface", &["vtp", "pvtp"], "cellfan draws cells with a volume"),
     refused("a VTK collection", &["vtm", "pvd"], "open one of the files it names"),
-    refused("PLOT3D", &["xyz", "q", "x", "p3d", "bin"], GRID_TO_VTU),
+    refused("a PLOT3D solution", &["q"], "name its grid: a solution beside it is found by its name"),
     Refused { magic: b"$MeshFormat", ..refused("Gmsh", &["msh"], TO_VTU) },
     Refused { magic: b"MeshVersionFormatted", ..refused("Medit", &["mesh", "meshb"], TO_VTU) },
     refused("OpenFOAM", &["foam"], "convert it with foamToVTK"),

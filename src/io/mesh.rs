@@ -1,7 +1,7 @@
 //! `UnstructuredMesh`: cells of any kinds in file order, as VTK's unstructured grids hold them.
 
-use super::numbers;
 use super::scratch::Scratch;
+use super::{concat, numbers};
 use crate::columns::{Array, Association, Column, Points, TetMesh};
 use crate::error::{Error, Result};
 
@@ -93,8 +93,8 @@ impl UnstructuredMesh {
         if len > limit {
             return Err(Error::TooLarge { column: "points", len, limit });
         }
-        let points = concat_points(&pieces);
-        let arrays = concat_arrays(&pieces, scratch)?;
+        let points = concat::points(&pieces.iter().map(|piece| &piece.points).collect::<Vec<_>>());
+        let arrays = concat::arrays(&pieces.iter().map(|piece| &piece.arrays[..]).collect::<Vec<_>>(), scratch)?;
         let (mut types, mut offsets, mut connectivity) = (scratch.column(), scratch.column(), scratch.column());
         offsets.push(0)?;
         let mut first_point = 0;
@@ -111,34 +111,4 @@ impl UnstructuredMesh {
         let (types, offsets, connectivity) = (types.finish()?, offsets.finish()?, connectivity.finish()?);
         Ok(Self { points, types, offsets, connectivity, arrays })
     }
-}
-
-fn concat_points(pieces: &[UnstructuredMesh]) -> Points {
-    let single = |piece: &UnstructuredMesh| match &piece.points {
-        Points::F32(points) => Some(points.clone()),
-        Points::F64(_) => None,
-    };
-    if let Some(parts) = pieces.iter().map(single).collect::<Option<Vec<_>>>() {
-        return Points::F32(parts.concat());
-    }
-    let all = pieces.iter().flat_map(|piece| (0..piece.points.len()).map(|i| piece.points.get(i).to_array()));
-    Points::F64(all.collect())
-}
-
-fn concat_arrays(pieces: &[UnstructuredMesh], scratch: &Scratch) -> Result<Vec<Array>> {
-    let mut arrays = Vec::new();
-    for array in &pieces[0].arrays {
-        let Array { name, association, components, .. } = array;
-        let same = |piece: &UnstructuredMesh| {
-            let found = piece.array(name, *association)?.clone();
-            (found.components == *components).then_some(found)
-        };
-        if let Some(parts) = pieces.iter().map(same).collect::<Option<Vec<_>>>() {
-            let values = numbers::concat(&parts.iter().map(|part| &part.values).collect::<Vec<_>>(), scratch)?;
-            arrays.push(Array { values, ..array.clone() });
-        } else {
-            tracing::warn!(array = name, "not in every piece, left out");
-        }
-    }
-    Ok(arrays)
 }

@@ -1,21 +1,29 @@
 //! Files: meshes in, meshes and pictures out.
 //!
 //! In: a path. Out: a [`Dataset`] ([`open`]), or the mesh as the file has it ([`open_mesh`]).
-//! To add a format that is read: a file with a function from bytes to [`UnstructuredMesh`] and its line in
+//! To add a format that is read: a file with a function from bytes to a [`Mesh`] and its line in
 //! [`formats::READ`]. To refuse one by its name: a line in [`formats::REFUSED`].
 
+mod any_mesh;
 mod assemble;
+mod concat;
 pub mod container;
+mod expansion;
 pub mod formats;
 mod mapping;
 mod mesh;
 mod numbers;
 mod offsets;
+mod overlap;
+mod plot3d;
 mod pvtu;
+mod rectilinear;
 mod scratch;
 mod source;
+mod structured;
 mod vtk_legacy;
 mod vtk_xml;
+mod vts;
 mod vtu;
 mod write_vtu;
 
@@ -24,10 +32,14 @@ use std::io::Read;
 use std::path::Path;
 
 pub use crate::atomic::check_target;
+pub use any_mesh::Mesh;
 pub use mesh::UnstructuredMesh;
+pub use plot3d::read_plot3d;
 pub use pvtu::read_pvtu;
 pub use scratch::Scratch;
+pub use structured::{StructuredBlock, StructuredMesh};
 pub use vtk_legacy::read_vtk;
+pub use vts::{read_pvtr, read_pvts, read_vtr, read_vts};
 pub use vtu::read_vtu;
 pub use write_vtu::{Compression, write_vtu};
 
@@ -64,11 +76,11 @@ pub fn open_with(path: &Path, use_map: bool) -> Result<Dataset> {
     open_mesh(path)?.into_dataset().map_err(|error| error.in_file(path))
 }
 
-/// Reads a file of any format in [`formats::READ`] as it is: cells of any kinds, in file order.
+/// Reads a file of any format in [`formats::READ`] as it is, in file order.
 ///
 /// # Errors
 /// Those of [`open`] that concern the file and not what is drawn.
-pub fn open_mesh(path: &Path) -> Result<UnstructuredMesh> {
+pub fn open_mesh(path: &Path) -> Result<Mesh> {
     open_mesh_in(path, &Scratch::memory())
 }
 
@@ -88,7 +100,7 @@ pub fn open_mesh(path: &Path) -> Result<UnstructuredMesh> {
 /// assert_eq!((tets.len(), tets.owned_bytes()), (750, 0));
 /// # Ok::<(), cellfan::Error>(())
 /// ```
-pub fn open_mesh_in(path: &Path, scratch: &Scratch) -> Result<UnstructuredMesh> {
+pub fn open_mesh_in(path: &Path, scratch: &Scratch) -> Result<Mesh> {
     if path.is_dir() {
         let advice = "name a file in it".to_owned();
         return Err(Error::Unsupported { path: path.to_owned(), what: "a folder".to_owned(), advice });
@@ -110,7 +122,7 @@ pub fn open_mesh_in(path: &Path, scratch: &Scratch) -> Result<UnstructuredMesh> 
 ///
 /// # Errors
 /// Those of [`open_mesh`].
-pub fn read_mesh(bytes: &[u8], path: &Path) -> Result<UnstructuredMesh> {
+pub fn read_mesh(bytes: &[u8], path: &Path) -> Result<Mesh> {
     (formats::find(bytes, path)?.read)(bytes, path, &Scratch::memory())
 }
 

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::Place;
+use super::{Place, covered};
 
 #[test]
 fn info_says_what_is_in_a_file() {
@@ -25,6 +25,39 @@ fn info_says_what_is_in_a_file() {
     for part in ["VTK XML unstructured grid", "729 points, 3,072 cells", "tetrahedron", "value", "bounds"] {
         assert!(text.contains(part), "{part:?} is not in {text}");
     }
+}
+
+#[test]
+fn structured_grids_are_described_converted_and_drawn() {
+    let place = Place::new();
+    // Two blocks of PLOT3D text and the solution beside them.
+    let dims = "2\n3 2 2\n2 2 2\n";
+    let axis = |n: usize, of: fn(usize, usize) -> usize, row: usize| {
+        (0..n).map(|point| format!("{} ", of(point, row))).collect::<Vec<_>>().concat()
+    };
+    let block = |n: usize, row: usize| {
+        axis(n, |p, row| p % row, row) + &axis(n, |p, row| p / row % 2, row) + &axis(n, |p, row| p / row / 2, row)
+    };
+    place.write("two.xyz", &format!("{dims}{}{}", block(12, 3), block(8, 2)));
+    let info = place.run(["info", "two.xyz", "--json"]).succeeds().json();
+    assert_eq!((&info["format"], &info["arrays"]), (&json!("PLOT3D"), &json!([])));
+    let values = |n: usize| "0 0 0 0 ".to_owned() + &(0..5 * n).map(|i| format!("{i} ")).collect::<Vec<_>>().concat();
+    place.write("two.q", &format!("{dims}{}{}", values(12), values(8)));
+    let info = place.run(["info", "two.xyz", "--json"]).succeeds().json();
+    assert_eq!((&info["cells"], &info["dims"]), (&json!(3), &json!([[3, 2, 2], [2, 2, 2]])));
+    assert_eq!(info["kinds"], json!([{ "name": "hexahedron", "code": 12, "count": 3 }]));
+    assert_eq!(info["arrays"].as_array().map(Vec::len), Some(3));
+    let text = place.run(["info", "two.xyz"]).succeeds().out;
+    assert!(text.contains("block of 3 x 2 x 2 points") && text.contains("Momentum"), "{text}");
+
+    place.run(["convert", "two.xyz", "two.cells"]).succeeds();
+    for mesh in ["two.xyz", "two.cells"] {
+        place.run(["render", mesh, "-o", "two.png", "--array", "Density", "--size", "32x32"]).succeeds();
+        assert!(covered(&place.path("two.png")) > 0.1, "{mesh}");
+    }
+    place.run(["info", "two.q"]).fails(1, &["two.q", "PLOT3D solution"]);
+    place.write("two.q", "2\n3 2 2\n2 2 3\n");
+    place.run(["render", "two.xyz", "-o", "no.png"]).fails(1, &["two.q"]);
 }
 
 #[test]

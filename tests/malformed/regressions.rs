@@ -74,6 +74,12 @@ fn messages_are_short() {
     refused("pvtu", seeds::pvtu_of(&[&long]), &["no name of a file"]);
     refused("vtk", vtk(&long), &["…", "no section"]);
     refused("vtk", vtk("").replace("UNSTRUCTURED_GRID", &long), &["not supported"]);
+    let infinite = seeds::vtk()
+        .iter()
+        .map(|file| String::from_utf8_lossy(file).into_owned())
+        .find(|text| text.contains("a int 1"));
+    let infinite = infinite.unwrap().replace("a int 1", &format!("{long} float 1")).replace("3 4\n", "inf inf\n");
+    refused("draw", infinite, &["…", "no finite value"]);
     refused("transfer-json", format!("{{\"points\": [{{\"{long}\": 0}}]}}"), &["…"]);
     refused("transfer-csv", format!("0 0 0 0 {long}"), &["…", "not a number"]);
     refused("paraview", format!("[{{\"Name\": \"{long}\", \"RGBPoints\": []}}]"), &["…", "has 0 numbers"]);
@@ -280,6 +286,46 @@ fn dense_files_take_a_stated_multiple() {
         vec![0; 100_000],
     ];
     refused("vtk", bits.concat(), &["POINT_DATA"]);
+}
+
+/// Points that a few numbers make, and cells without a byte of their own.
+#[test]
+fn grids_take_a_stated_multiple() {
+    let _alone = alone();
+    // As many points as a file of this size may have.
+    let n = 70;
+    let axis = (0..n).map(|i| format!("{i} ")).collect::<Vec<_>>().concat();
+    let array = format!("<DataArray type='Float32' format='ascii'>{axis}</DataArray>");
+    let extent = format!("0 {0} 0 {0} 0 {0}", n - 1);
+    let piece = format!("<Piece Extent='{extent}'><Coordinates>{}</Coordinates></Piece>", array.repeat(3));
+    let xml = format!(
+        "<VTKFile type='RectilinearGrid'><RectilinearGrid WholeExtent='{extent}'>{piece}</RectilinearGrid></VTKFile>"
+    );
+    assert_eq!(ran("vtr", &xml).read, Ok(()));
+    refused("vtr", xml.replace(&piece, &piece.repeat(3)), &["64 times the file"]);
+    let axes = ["X", "Y", "Z"].map(|name| format!("{name}_COORDINATES {n} float\n{axis}\n")).concat();
+    let legacy = vtk(&format!("DIMENSIONS {n} {n} {n}\n{axes}")).replace("UNSTRUCTURED", "RECTILINEAR");
+    assert_eq!(ran("vtk", &legacy).read, Ok(()));
+    // PLOT3D in text: six bytes a point.
+    let points = n * n * n / 4;
+    let text = format!("{n} {n} {}\n{}", n / 4, "0 ".repeat(3 * n * n * (n / 4)));
+    assert!(text.len() > 5 * points);
+    assert_eq!(ran("plot3d", text).read, Ok(()));
+    // Every piece meets every other.
+    let points = "0 ".repeat(3 * 2 * 2 * 2);
+    let array = format!("<Points><DataArray type='Int8' format='ascii'>{points}</DataArray></Points>");
+    let pieces = (0..10_000)
+        .map(|i| format!("<Piece Extent='0 1 {i} {} 0 1'>{array}</Piece>", i + 1))
+        .collect::<Vec<_>>()
+        .concat();
+    let xml = |pieces: &str| {
+        format!(
+            "<VTKFile type='StructuredGrid'><StructuredGrid WholeExtent='0 1 0 10001 0 1'>{pieces}</StructuredGrid></VTKFile>"
+        )
+    };
+    assert_eq!(ran("vts", xml(&pieces)).read, Ok(()));
+    let same = format!("<Piece Extent='0 1 0 1 0 1'>{array}</Piece>").repeat(10_000);
+    refused("vts", xml(&same), &["overlap"]);
 }
 
 #[test]

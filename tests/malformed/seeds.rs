@@ -1,5 +1,6 @@
 //! Small good files of every format, in every encoding; real ones besides, where `CELLFAN_DATA` names them.
 
+mod grids;
 mod vtu;
 
 use std::path::{Path, PathBuf};
@@ -7,6 +8,7 @@ use std::sync::OnceLock;
 
 use crate::common::data_folder;
 
+pub(crate) use grids::{PLOT3D_WORDS, plot3d, plot3d_solution, vtr, vts};
 pub(crate) use vtu::{Style, write_zeros};
 
 /// Files in memory.
@@ -55,6 +57,12 @@ pub(crate) const XML_WORDS: &[&str] = &[
     "</VTKFile>",
     "PUnstructuredGrid",
     "UnstructuredGrid",
+    "StructuredGrid",
+    "RectilinearGrid",
+    "WholeExtent='0 1 0 1 0 1'",
+    "Extent='0 1 0 2 0 2'",
+    "Extent='0 -1 0 -1 0 -1'",
+    "Coordinates",
     "Source='self.pvtu'",
     "Source='0.vtu'",
     "Source='../../../../dev/zero'",
@@ -66,6 +74,11 @@ pub(crate) const VTK_WORDS: &[&str] = &[
     "BINARY",
     "DATASET",
     "UNSTRUCTURED_GRID",
+    "STRUCTURED_GRID",
+    "RECTILINEAR_GRID",
+    "DIMENSIONS",
+    "X_COORDINATES",
+    "BLANKING",
     "POINTS",
     "CELLS",
     "CELL_TYPES",
@@ -201,6 +214,7 @@ pub(crate) fn vtk() -> Seeds {
     section("FIELD f 2\ns 1 5 string", b"\xc1a\xc1b\xc0\xc1d\xc3abc".to_vec());
     section("g 1 5 short", vec![0, 1, 0, 2, 0, 3, 0, 4, 0, 5]);
     let mut seeds = vec![text.into_bytes(), new.into_bytes(), binary];
+    seeds.extend(grids::legacy());
     seeds.extend(shared(&["vtk"], 8192).into_iter().filter(|file| cellfan::io::read_vtk(file, Path::new("")).is_ok()));
     seeds
 }
@@ -239,7 +253,7 @@ pub(crate) fn camera() -> Seeds {
 
 /// Files of the shared data of any format, and one of each kind made here.
 pub(crate) fn real() -> Seeds {
-    let mut seeds = shared(&["vtu", "vtk", "vti", "vtr", "vts", "nhdr", "slc", "pvtu", "gen", "exo"], 60_000);
+    let mut seeds = shared(&["vtu", "vtk", "vti", "vtr", "vts", "xyz", "nhdr", "slc", "pvtu", "gen", "exo"], 60_000);
     seeds.extend(vtk());
     seeds.extend(vtu());
     seeds.extend(pvtu());

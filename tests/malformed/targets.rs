@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use cellfan::columns::Dataset;
-use cellfan::io::{self, UnstructuredMesh};
+use cellfan::io::{self, Mesh};
 use cellfan::optics::presets::{self, OpacityProfile};
 use cellfan::{Camera, FieldSelection, RenderOptions, Renderer, Scene, TransferFunction};
 
@@ -42,6 +42,9 @@ impl Limits {
 /// of LZMA each, which may take 80 MiB (docs/robustness.md).
 const XML: Limits = Limits { times: 128, mebibytes: 4 * 50 + 2 * 80, millis: 2000 };
 const TEXT: Limits = Limits { times: 64, mebibytes: 1, millis: 1000 };
+/// A cell of a grid may take no byte of its file, or a bit; it becomes six tetrahedra. Of any file 4 MiB of points are made,
+/// 12 bytes each, if it names so many by their axes (docs/robustness.md).
+const GRID: Limits = Limits { times: 128, mebibytes: 4 * 50, millis: 2000 };
 /// A map of the most points is sampled at 70,000 places.
 const MAP: Limits = Limits { mebibytes: 48, ..TEXT };
 
@@ -55,6 +58,8 @@ const CONTAINER: Limits = Limits { mebibytes: 192, millis: 2000, ..TEXT };
 /// All readers. One line each: name, seeds, what reads, words, limits.
 pub(crate) const TARGETS: &[Target] = &[
     target("vtu", seeds::vtu, |bytes| mesh(io::read_vtu(bytes, Path::new("a.vtu"))), seeds::XML_WORDS, XML),
+    target("vts", seeds::vts, |bytes| mesh(io::read_vts(bytes, Path::new("a.vts"))), seeds::XML_WORDS, XML),
+    target("vtr", seeds::vtr, |bytes| mesh(io::read_vtr(bytes, Path::new("a.vtr"))), seeds::XML_WORDS, XML),
     target(
         "pvtu",
         seeds::pvtu,
@@ -62,7 +67,15 @@ pub(crate) const TARGETS: &[Target] = &[
         seeds::XML_WORDS,
         XML,
     ),
-    target("vtk", seeds::vtk, |bytes| mesh(io::read_vtk(bytes, Path::new("a.vtk"))), seeds::VTK_WORDS, TEXT),
+    target("vtk", seeds::vtk, |bytes| mesh(io::read_vtk(bytes, Path::new("a.vtk"))), seeds::VTK_WORDS, GRID),
+    target(
+        "plot3d",
+        seeds::plot3d,
+        |bytes| mesh(io::read_plot3d(bytes, Path::new("a.xyz"))),
+        seeds::PLOT3D_WORDS,
+        GRID,
+    ),
+    target("plot3d-solution", seeds::plot3d_solution, solution, seeds::PLOT3D_WORDS, GRID),
     target("transfer-json", seeds::transfer_json, |bytes| transfer(bytes, "json"), seeds::JSON_WORDS, TEXT),
     target("transfer-csv", seeds::transfer_csv, |bytes| transfer(bytes, "csv"), seeds::CSV_WORDS, TEXT),
     target("paraview", seeds::paraview, |bytes| transfer(bytes, "json"), seeds::JSON_WORDS, MAP),
@@ -87,13 +100,21 @@ const fn target(
     Target { name, seeds, read, words, limits, refuses_seeds: false }
 }
 
-fn mesh(read: cellfan::Result<UnstructuredMesh>) -> Result<(), String> {
-    let mesh = read.map_err(|error| error.to_string())?;
+fn mesh(read: cellfan::Result<impl Into<Mesh>>) -> Result<(), String> {
+    let mesh: Mesh = read.map_err(|error| error.to_string())?.into();
     // A mesh that cannot be drawn was still read.
     if let Ok(dataset) = mesh.into_dataset() {
         check(&dataset);
     }
     Ok(())
+}
+
+/// A solution beside its grid.
+fn solution(bytes: &[u8]) -> Result<(), String> {
+    let path = seeds::pieces().join("a.q");
+    let _ = std::fs::remove_file(&path);
+    std::fs::write(&path, bytes).unwrap();
+    mesh(io::read_plot3d(&seeds::plot3d()[0], &path.with_extension("xyz")))
 }
 
 /// What every stage takes for granted.
@@ -141,7 +162,7 @@ fn camera(bytes: &[u8]) -> Result<(), String> {
 /// What can be read can be drawn.
 fn draw(bytes: &[u8]) -> Result<(), String> {
     let message = |error: cellfan::Error| error.to_string();
-    draw_dataset(io::read_vtk(bytes, Path::new("a.vtk")).and_then(UnstructuredMesh::into_dataset).map_err(message)?)
+    draw_dataset(io::read_vtk(bytes, Path::new("a.vtk")).and_then(Mesh::into_dataset).map_err(message)?)
 }
 
 fn draw_dataset(dataset: Dataset) -> Result<(), String> {

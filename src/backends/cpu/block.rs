@@ -33,12 +33,11 @@ impl<'a> Projector<'a> {
     /// Its cells are not read.
     pub(super) fn rows(&self, block: usize, counts: &mut Counts) -> Option<Range<u32>> {
         let frame = self.frame;
-        let block_cells = frame.dataset.blocks[block].cells.len() as u64;
         let (low, high) = frame.field.block_ranges[block];
         // Cells with values that are not finite are counted one by one.
         let has_invalid = frame.field.invalid > 0;
         if !has_invalid && frame.cull_table.is_transparent(frame.pieces, low, high) {
-            counts.culled_transparent += block_cells;
+            counts.culled_transparent += frame.dataset.cells_drawn_in(block);
             return None;
         }
         let rows = self.boxes.rows_of_bounds(frame.dataset.blocks[block].bounds, frame.view);
@@ -46,7 +45,7 @@ impl<'a> Projector<'a> {
             // What is counted cell by cell is drawn cell by cell too.
             None if has_invalid => Some(0..frame.view.size_px[1].div_ceil(TILE)),
             None => {
-                counts.culled_outside += block_cells;
+                counts.culled_outside += frame.dataset.cells_drawn_in(block);
                 None
             }
             Some(rows) => Some(u32::from(rows.start) / TILE..u32::from(rows.end).div_ceil(TILE)),

@@ -10,6 +10,9 @@ use super::kinds::KindCount;
 use super::remarks;
 use crate::cli::numbers::{bytes, count, grouped, short};
 
+/// Blocks that are shown to people.
+const MOST_BLOCKS: usize = 24;
+
 /// Smallest and largest finite value; none where no value is finite.
 pub(super) type Range = Option<[f64; 2]>;
 
@@ -46,6 +49,8 @@ pub(super) struct Report {
     pub(super) points: u64,
     pub(super) cells: u64,
     pub(super) kinds: Vec<KindCount>,
+    /// Points along i, j and k of each block of a structured grid.
+    pub(super) dims: Vec<[usize; 3]>,
     /// Lowest and highest corner.
     pub(super) bounds: Option<[[f64; 3]; 2]>,
     pub(super) arrays: Vec<ArrayReport>,
@@ -64,6 +69,7 @@ impl Report {
             "points": self.points,
             "cells": self.cells,
             "kinds": self.kinds,
+            "dims": self.dims,
             "bounds": self.bounds.map(|[min, max]| json!({ "min": min, "max": max })),
             "arrays": self.arrays,
             "skipped": skipped,
@@ -81,6 +87,12 @@ impl Display for Report {
         writeln!(f, "{}, {}", count(self.points, "point"), count(self.cells, "cell"))?;
         for kind in &self.kinds {
             writeln!(f, "  {:>12}  {}", grouped(kind.count), kind.name)?;
+        }
+        for dims in self.dims.iter().take(MOST_BLOCKS) {
+            writeln!(f, "  block of {} points", dims.map(|along| grouped(along as u64)).join(" x "))?;
+        }
+        if self.dims.len() > MOST_BLOCKS {
+            writeln!(f, "  and {} more blocks", self.dims.len() - MOST_BLOCKS)?;
         }
         if let Some([min, max]) = self.bounds {
             let corner = |p: [f64; 3]| p.map(short).join(", ");

@@ -21,7 +21,7 @@ pub(super) enum Backend {
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(in crate::cli) struct Arguments {
-    /// The mesh: .vtu, .pvtu or .vtk.
+    /// The mesh: .cells, .vtu, .vts, .vtr or parallel (.pvtu …), .vtk, or PLOT3D (.xyz, .x, .p3d, .bin).
     #[arg(required = true, value_name = "MESH")]
     pub(super) meshes: Vec<PathBuf>,
     /// The picture: .png to look at, .exr or .npy for the linear values [default: MESH.png in this folder].

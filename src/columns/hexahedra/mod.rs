@@ -13,6 +13,7 @@ use super::Column;
 pub struct Hexahedra {
     corners: HexCorners,
     shapes: Column<HexShape>,
+    absent: usize,
 }
 
 /// Where the corners of hexahedra stand.
@@ -57,12 +58,17 @@ impl StructuredBlock {
 impl Hexahedra {
     /// Cells whose corners are listed.
     pub(super) fn listed(corners: Column<[u32; 8]>, shapes: Column<HexShape>) -> Self {
-        Self { corners: HexCorners::Listed(corners), shapes }
+        Self::new(HexCorners::Listed(corners), shapes)
     }
 
     /// The cells of structured blocks.
     pub(super) fn structured(blocks: Vec<StructuredBlock>, shapes: Column<HexShape>) -> Self {
-        Self { corners: HexCorners::Structured(blocks), shapes }
+        Self::new(HexCorners::Structured(blocks), shapes)
+    }
+
+    fn new(corners: HexCorners, shapes: Column<HexShape>) -> Self {
+        let absent = shapes.iter().filter(|shape| shape.is_absent()).count();
+        Self { corners, shapes, absent }
     }
 
     /// No cell.
@@ -73,6 +79,11 @@ impl Hexahedra {
     /// How many cells there are, those included that are not drawn.
     pub fn len(&self) -> usize {
         self.shapes.len()
+    }
+
+    /// How many of them are not drawn.
+    pub fn absent(&self) -> usize {
+        self.absent
     }
 
     /// Whether there is no cell.

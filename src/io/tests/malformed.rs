@@ -3,11 +3,11 @@
 use super::samples::{Style, styles};
 use super::*;
 
-type Reader = fn(&[u8]) -> Result<UnstructuredMesh>;
+type Reader = fn(&[u8]) -> Result<Mesh>;
 
 /// Reads and, if that succeeds, assembles: what comes back does not matter, that something does.
 fn survive(bytes: &[u8], read: Reader) -> bool {
-    read(bytes).and_then(UnstructuredMesh::into_dataset).is_ok()
+    read(bytes).and_then(Mesh::into_dataset).is_ok()
 }
 
 /// One style of each place and compressor, with orders and headers in turn.
@@ -25,11 +25,16 @@ fn random(state: &mut u64) -> usize {
 }
 
 fn files() -> Vec<(String, Vec<u8>, Reader)> {
+    let vtu: Reader = |bytes| vtu(bytes).map(Mesh::from);
+    let vtk: Reader = |bytes| read_vtk(bytes, Path::new(NAME));
     let mut files: Vec<(String, Vec<u8>, Reader)> =
-        some_styles().into_iter().map(|style| (format!("{style:?}"), style.write(), vtu as _)).collect();
+        some_styles().into_iter().map(|style| (format!("{style:?}"), style.write(), vtu)).collect();
     for version in ["3.0", "5.1"] {
-        files.push((version.to_owned(), legacy::binary(version), vtk as _));
+        files.push((version.to_owned(), legacy::binary(version), vtk));
     }
+    files.extend(legacy_grids::binary().map(|(name, file)| (name.to_owned(), file, vtk)));
+    files.push(("vts".to_owned(), blocks::two_pieces(), |bytes| read_vts(bytes, Path::new(NAME)).map(Mesh::from)));
+    files.push(("vtr".to_owned(), blocks::rectilinear(), |bytes| read_vtr(bytes, Path::new(NAME)).map(Mesh::from)));
     files
 }
 

@@ -1,9 +1,12 @@
 //! Tests over several files of this room: every encoding reads alike, what is damaged is refused.
 
 mod assemble;
+mod blocks;
 mod legacy;
+mod legacy_grids;
 mod malformed;
 mod samples;
+mod structured;
 mod writer;
 mod xml;
 
@@ -19,7 +22,21 @@ fn vtu(bytes: &[u8]) -> Result<UnstructuredMesh> {
 }
 
 fn vtk(bytes: &[u8]) -> Result<UnstructuredMesh> {
-    read_vtk(bytes, Path::new(NAME))
+    read_vtk(bytes, Path::new(NAME)).map(unstructured)
+}
+
+fn unstructured(mesh: Mesh) -> UnstructuredMesh {
+    match mesh {
+        Mesh::Unstructured(mesh) => mesh,
+        Mesh::Structured(mesh) => panic!("blocks {:?}", mesh.blocks()),
+    }
+}
+
+fn structured(mesh: Mesh) -> StructuredMesh {
+    match mesh {
+        Mesh::Structured(mesh) => mesh,
+        Mesh::Unstructured(mesh) => panic!("{} cells in no block", mesh.cells()),
+    }
 }
 
 fn values(column: &NumericColumn) -> Vec<f64> {

@@ -28,7 +28,7 @@ impl Attributes {
             "CELL_DATA" => self.declared.push((Association::Cell, cursor.count("the number of cells")?)),
             _ => {
                 let Some(&(association, tuples)) = self.declared.last() else {
-                    let problem = format!("{keyword:?} is no section of an unstructured grid; the file may be damaged");
+                    let problem = format!("{keyword:?} is no section of this kind of dataset; the file may be damaged");
                     return Err(cursor.malformed(problem));
                 };
                 self.read_array(keyword, association, tuples, cursor)?;

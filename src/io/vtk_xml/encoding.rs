@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::cell::Cell;
 use std::iter;
 
+use super::super::expansion::Expansion;
 use super::super::numbers::{ByteOrder, NumberType};
 use super::super::source::{Source, quote};
 use super::base64::Base64;
@@ -25,17 +26,12 @@ pub(in crate::io) struct Encoding<'a> {
     /// Bytes that arrays may still take. Arrays may share appended bytes, but not so often that a small file becomes
     /// a large mesh.
     budget: Cell<usize>,
-    /// Bytes that compressed arrays may still become.
-    expansion: Cell<u64>,
+    /// What compressed arrays, and points that are given by three axes, may still become.
+    pub(in crate::io) expansion: Expansion,
 }
 
-/// All arrays of a file may become this many times its bytes. Whole meshes reach 36: a grid of hexahedra in one block of
-/// LZMA (zlib, and LZMA in VTK's blocks of 32 KiB: 6 and 15).
-const LARGEST_EXPANSION: u64 = 64;
 /// Bytes of an array that are read at once, not counting what is larger because its compressed block is.
 const BYTES_AT_ONCE: u64 = 4 << 20;
-/// What a file may expand to whatever its size: small files hold little but repetitions.
-const SMALLEST_EXPANSION: u64 = 4 << 20;
 
 impl<'a> Encoding<'a> {
     /// The encoding of a file of `file_len` bytes with root element `root` and `appended` bytes.
@@ -73,9 +69,7 @@ impl<'a> Encoding<'a> {
             (Some(_), Some(other)) => return Err(unknown("encoding", other)),
         };
         let budget = Cell::new(file_len.saturating_mul(4));
-        let expansion =
-            Cell::new((file_len as u64).saturating_mul(LARGEST_EXPANSION).saturating_add(SMALLEST_EXPANSION));
-        Ok(Self { source, order, word, compressor, appended, budget, expansion })
+        Ok(Self { source, order, word, compressor, appended, budget, expansion: Expansion::of(file_len) })
     }
 
     /// The values of the `DataArray` element `array`: as many as `expected`, where that is known.
@@ -148,12 +142,7 @@ impl<'a> Encoding<'a> {
             return Err(too_few(compressed, &stream));
         }
         let bytes = compressor.total_bytes(sizes, compressed as usize)?;
-        let left = self.expansion.get().checked_sub(bytes).ok_or_else(|| {
-            format!(
-                "its {bytes} bytes make all arrays more than {LARGEST_EXPANSION} times the file; write it uncompressed"
-            )
-        })?;
-        self.expansion.set(left);
+        self.expansion.take(bytes)?;
         let total = usize::try_from(bytes).map_err(|_| "is larger than the address space")?;
         let blocks_at_once = usize::try_from((BYTES_AT_ONCE / sizes.block.max(1)).max(1)).unwrap_or(usize::MAX);
         let mut first = 0_usize;

@@ -98,6 +98,10 @@ impl PixelBoxes {
     /// The rows of pixels that cells in `bounds` may touch; `None` where nothing in it can be seen: all before the near plane,
     /// beyond the far one, or beside the picture.
     pub fn rows_of_bounds(&self, bounds: Bounds, view: &View) -> Option<Range<u16>> {
+        // A block none of whose cells is drawn has an empty box.
+        if bounds.min.cmpgt(bounds.max).any() {
+            return None;
+        }
         let scale = view.world_per_scene.recip() as f32;
         let positions = bounds.corners().map(|corner| corner * scale);
         let corners = positions.map(|p| self.projection.project(p));

@@ -1,0 +1,349 @@
+//! Real structured grids: counts and values as VTK 9.7 gives them.
+
+mod common;
+
+use cellfan::columns::{Array, Association, Points};
+use cellfan::io::{self, Mesh, StructuredBlock, StructuredMesh};
+use common::data_folder;
+
+/// A weighted sum that any changed, missing or exchanged value changes.
+fn sum(values: impl Iterator<Item = f64>) -> f64 {
+    values.enumerate().map(|(i, value)| value * (i % 97 + 1) as f64).sum()
+}
+
+fn coordinates(points: &Points) -> impl Iterator<Item = f64> {
+    (0..points.len()).flat_map(|i| points.get(i).to_array())
+}
+
+fn values(array: &Array) -> impl Iterator<Item = f64> {
+    (0..array.values.len()).map(|i| array.values.get(i))
+}
+
+fn close(found: f64, expected: f64) -> bool {
+    (found - expected).abs() <= 1e-9 * expected.abs().max(1.0)
+}
+
+fn open(file: &str, scratch: &io::Scratch) -> Option<StructuredMesh> {
+    let path = data_folder("tests of structured grids")?.join(file);
+    match io::open_mesh_in(&path, scratch).unwrap_or_else(|error| panic!("{error}")) {
+        Mesh::Structured(mesh) => Some(mesh),
+        Mesh::Unstructured(_) => panic!("{file}: no blocks"),
+    }
+}
+
+fn in_memory(file: &str) -> Option<StructuredMesh> {
+    open(file, &io::Scratch::memory())
+}
+
+/// File, blocks, cells, then sums of coordinates and the arrays (of cells before those of points).
+struct Expected {
+    file: &'static str,
+    dims: &'static [[usize; 3]],
+    cells: usize,
+    coordinates: f64,
+    arrays: &'static [(&'static str, usize, &'static str, f64)],
+}
+
+const EXPECTED: &[Expected] = &[
+    Expected {
+        file: "classic/bluntfin.vts",
+        dims: &[[40, 32, 32]],
+        cells: 37_479,
+        coordinates: 7_230_778.121_331_513,
+        arrays: &[
+            ("Density", 1, "f32", 2_323_526.019_211_545_6),
+            ("Momentum", 3, "f32", 3_387_663.180_371_019),
+            ("StagnationEnergy", 1, "f32", 12_485_879.174_754_977),
+        ],
+    },
+    Expected {
+        file: "curvilinear/StructuredGrid.vts",
+        dims: &[[6, 12, 9]],
+        cells: 440,
+        coordinates: 990_864.806_678_772,
+        arrays: &[
+            ("Density", 1, "f32", 11_098.024_583_801_627),
+            ("Momentum", 3, "f32", 2_612_905.667_755_946_5),
+            ("StagnationEnergy", 1, "f32", 0.0),
+        ],
+    },
+    Expected {
+        file: "regular/cth.vtr",
+        dims: &[[129, 65, 65]],
+        cells: 524_288,
+        coordinates: -46_748_817.042_945_86,
+        arrays: &[
+            ("Pressure", 1, "f32", 278_897_992_022_516.8),
+            ("Void Volume Fraction", 1, "f32", 24_525_684.911_451_78),
+            ("X Velocity", 1, "f32", 75_596_015_610.958_2),
+            ("Y Velocity", 1, "f32", 26_905_133.399_242_41),
+            ("Z Velocity", 1, "f32", 110_992_739_352.895_2),
+            ("Volume Fraction for Armor Plate", 1, "f32", 1_019_833.523_370_913_5),
+            ("Mass for Armor Plate", 1, "f32", 6_810.762_269_946_029),
+            ("Volume Fraction for Body, Nose", 1, "f32", 144_058.256_155_140_7),
+            ("Mass for Body, Nose", 1, "f32", 6_810.762_269_946_029),
+        ],
+    },
+    Expected {
+        file: "formats/RectilinearGridAppendedBase64.vtr",
+        dims: &[[4, 2, 2]],
+        cells: 3,
+        coordinates: 556.0,
+        arrays: &[
+            ("Pressure", 1, "f32", 0.0),
+            ("Void Volume Fraction", 1, "f32", 5.0),
+            ("X Velocity", 1, "f32", 4.199_999_928_474_426),
+            ("Y Velocity", 1, "f32", 3.0),
+            ("Z Velocity", 1, "f32", 1.0),
+        ],
+    },
+    Expected {
+        file: "formats/RectilinearGridCompressed.vtr",
+        dims: &[[4, 2, 2]],
+        cells: 3,
+        coordinates: 556.0,
+        arrays: &[
+            ("Pressure", 1, "f32", 0.0),
+            ("Void Volume Fraction", 1, "f32", 5.0),
+            ("X Velocity", 1, "f32", 4.199_999_928_474_426),
+            ("Y Velocity", 1, "f32", 3.0),
+            ("Z Velocity", 1, "f32", 1.0),
+        ],
+    },
+    Expected {
+        file: "formats/RectilinearGridInlineBinary.vtr",
+        dims: &[[4, 2, 2]],
+        cells: 3,
+        coordinates: 556.0,
+        arrays: &[
+            ("Pressure", 1, "f32", 0.0),
+            ("Void Volume Fraction", 1, "f32", 5.0),
+            ("X Velocity", 1, "f32", 4.199_999_928_474_426),
+            ("Y Velocity", 1, "f32", 3.0),
+            ("Z Velocity", 1, "f32", 1.0),
+        ],
+    },
+    Expected {
+        file: "formats/RectilinearGridRawBinary.vtr",
+        dims: &[[4, 2, 2]],
+        cells: 3,
+        coordinates: 556.0,
+        arrays: &[
+            ("Pressure", 1, "f32", 0.0),
+            ("Void Volume Fraction", 1, "f32", 5.0),
+            ("X Velocity", 1, "f32", 4.199_999_928_474_426),
+            ("Y Velocity", 1, "f32", 3.0),
+            ("Z Velocity", 1, "f32", 1.0),
+        ],
+    },
+    Expected {
+        file: "formats/RectilinearGrid_ascii.vtr",
+        dims: &[[4, 2, 2]],
+        cells: 3,
+        coordinates: 556.0,
+        arrays: &[
+            ("Pressure", 1, "f32", 0.0),
+            ("Void Volume Fraction", 1, "f32", 5.0),
+            ("X Velocity", 1, "f32", 4.199_999_928_474_426),
+            ("Y Velocity", 1, "f32", 3.0),
+            ("Z Velocity", 1, "f32", 1.0),
+        ],
+    },
+    Expected {
+        file: "curvilinear/SampleStructGrid.vtk",
+        dims: &[[20, 30, 40]],
+        cells: 21_489,
+        coordinates: 1_296_297.127_879_789,
+        arrays: &[("scalars", 1, "f64", 318_382.896_033_310_9), ("scalars", 1, "f64", 846_685.304_813_499_8)],
+    },
+    Expected {
+        file: "curvilinear/office.binary.vtk",
+        dims: &[[21, 20, 20]],
+        cells: 7220,
+        coordinates: 2_474_717.219_885_068,
+        arrays: &[("scalars", 1, "f32", -561_369.082_162_284), ("vectors", 3, "f32", -553.007_307_016_290_7)],
+    },
+    Expected {
+        file: "formats/structured_grid.vtk",
+        dims: &[[2, 2, 2]],
+        cells: 1,
+        coordinates: 53.451_181_113_719_94,
+        arrays: &[
+            ("cellval", 1, "f32", 1_489.0),
+            ("cellvec", 3, "f32", 3.5),
+            ("ptval", 1, "f32", 168.0),
+            ("ptvec", 3, "f32", 2.713_934_831_321_239_5),
+        ],
+    },
+    Expected {
+        file: "regular/RectGrid2.vtk",
+        dims: &[[47, 33, 11]],
+        cells: 14_720,
+        coordinates: 378_866.949_658_259_75,
+        arrays: &[("scalars", 1, "f32", 530_651.026_439_859_1), ("vectors", 3, "f32", 440_130.059_789_783_6)],
+    },
+    Expected {
+        file: "formats/rectilinear_grid.vtk",
+        dims: &[[3, 4, 1]],
+        cells: 6,
+        coordinates: 1_158.0,
+        arrays: &[("cellscalar", 1, "f32", 87.300_001_978_874_2)],
+    },
+    Expected {
+        file: "formats/rectilinear_grid_binary.vtk",
+        dims: &[[3, 4, 1]],
+        cells: 6,
+        coordinates: 1_158.0,
+        arrays: &[("cellscalar", 1, "f32", 87.300_001_978_874_2)],
+    },
+    Expected {
+        file: "classic/bluntfinxyz.bin",
+        dims: &[[40, 32, 32]],
+        cells: 37_479,
+        coordinates: 7_230_778.121_331_513,
+        arrays: &[
+            ("Density", 1, "f32", 2_323_526.019_211_545_6),
+            ("Momentum", 3, "f32", 3_387_663.180_371_019),
+            ("StagnationEnergy", 1, "f32", 12_485_879.174_754_977),
+        ],
+    },
+    Expected {
+        file: "classic/combxyz.bin",
+        dims: &[[57, 33, 25]],
+        cells: 43_008,
+        coordinates: 91_198_384.394_878_97,
+        arrays: &[
+            ("Density", 1, "f32", 692_797.590_499_237_2),
+            ("Momentum", 3, "f32", 490_884_824.362_026_4),
+            ("StagnationEnergy", 1, "f32", 0.0),
+        ],
+    },
+    Expected {
+        file: "classic/postxyz.bin",
+        dims: &[[38, 76, 38]],
+        cells: 102_675,
+        coordinates: 9_321_244.799_766_2,
+        arrays: &[
+            ("vtkGhostType", 1, "u8", 0.0),
+            ("IBlank", 1, "i32", 4_953_960.0),
+            ("Density", 1, "f32", 5_376_346.0),
+            ("Momentum", 3, "f32", 1_854_593.425_772_647_8),
+            ("StagnationEnergy", 1, "f32", 11_725_582.788_163_634),
+        ],
+    },
+    Expected {
+        file: "curvilinear/multi-bin.xyz",
+        dims: &[[8, 12, 12], [8, 12, 12]],
+        cells: 1694,
+        coordinates: 540_204.055_247_694_3,
+        arrays: &[
+            ("Density", 1, "f64", 110_194.524_857_282_64),
+            ("Momentum", 3, "f64", 179_096.596_706_353_22),
+            ("StagnationEnergy", 1, "f64", 594_299.141_841_948),
+        ],
+    },
+    Expected {
+        file: "curvilinear/multi-bin-C.xyz",
+        dims: &[[8, 12, 12], [8, 12, 12]],
+        cells: 1694,
+        coordinates: 540_204.055_247_694_3,
+        arrays: &[
+            ("Density", 1, "f64", 110_194.524_857_282_64),
+            ("Momentum", 3, "f64", 179_096.596_706_353_22),
+            ("StagnationEnergy", 1, "f64", 594_299.141_841_948),
+        ],
+    },
+    Expected {
+        file: "curvilinear/multi-ascii.xyz",
+        dims: &[[8, 12, 12], [8, 12, 12]],
+        cells: 1694,
+        coordinates: 540_204.051_651_052_8,
+        arrays: &[
+            ("Density", 1, "f32", 110_194.524_857_282_64),
+            ("Momentum", 3, "f32", 179_096.595_846_465_76),
+            ("StagnationEnergy", 1, "f32", 594_299.142_441_570_8),
+        ],
+    },
+];
+
+#[test]
+fn blocks_and_values_are_those_of_vtk() {
+    for expected in EXPECTED {
+        let name = expected.file;
+        let Some(mesh) = in_memory(name) else { return };
+        let dims: Vec<_> = mesh.blocks().iter().map(StructuredBlock::dims).collect();
+        assert_eq!((&dims[..], mesh.cells()), (expected.dims, expected.cells), "{name}");
+        assert!(close(sum(coordinates(mesh.points())), expected.coordinates), "{name}: coordinates");
+        let is_cell = |array: &&Array| array.association == Association::Cell;
+        let (cell, point): (Vec<_>, Vec<_>) = mesh.arrays().iter().partition(is_cell);
+        let mut found: Vec<_> = cell.into_iter().chain(point).collect();
+        assert_eq!(found.len(), expected.arrays.len(), "{name}");
+        for &(array_name, components, kind, expected_sum) in expected.arrays {
+            let same = |array: &&Array| {
+                (array.name.as_str(), array.components, array.values.type_name()) == (array_name, components, kind)
+            };
+            let at = found.iter().position(same).unwrap_or_else(|| panic!("{name}: no {array_name}"));
+            let found_sum = sum(values(found.remove(at)));
+            assert!(close(found_sum, expected_sum), "{name}: {array_name}: {found_sum}, not {expected_sum}");
+        }
+    }
+}
+
+#[test]
+fn columns_that_memory_may_not_hold_are_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    for Expected { file, .. } in EXPECTED {
+        let scratch = io::Scratch::in_folder(folder.path(), 0);
+        let (Some(a), Some(b)) = (in_memory(file), open(file, &scratch)) else { return };
+        let all = |mesh: &StructuredMesh| mesh.arrays().iter().flat_map(values).map(f64::to_bits).collect::<Vec<_>>();
+        assert!(all(&a) == all(&b) && coordinates(a.points()).eq(coordinates(b.points())), "{file}");
+        let from_files = b.arrays().iter().filter(|array| array.name != "vtkGhostType");
+        assert_eq!(from_files.map(|array| array.values.owned_bytes()).sum::<u64>(), 0, "{file}: arrays in memory");
+        let (a, b) = (a.into_tets().unwrap(), b.into_tets_in(&scratch).unwrap());
+        assert!(a.tets == b.tets && a.file_from_tet == b.file_from_tet, "{file}");
+        assert_eq!((b.tets.owned_bytes(), b.file_from_tet.owned_bytes()), (0, 0), "{file}: tetrahedra in memory");
+    }
+}
+
+/// That the meshes agree to `digits` in every coordinate and value.
+fn assert_same(files: [&str; 2], digits: f64) {
+    let [Some(a), Some(b)] = files.map(in_memory) else { return };
+    assert_eq!(a.blocks(), b.blocks());
+    let near = |(a, b): (f64, f64)| (a - b).abs() <= digits * a.abs().max(1.0);
+    assert!(coordinates(a.points()).zip(coordinates(b.points())).all(near), "{files:?}: points");
+    for (a, b) in a.arrays().iter().zip(b.arrays()) {
+        assert_eq!(a.name, b.name);
+        assert!(values(a).zip(values(b)).all(near), "{files:?}: {}", a.name);
+    }
+    let tets = [a, b].map(|mesh| mesh.into_tets().unwrap().tets);
+    assert_eq!(tets[0].len(), tets[1].len());
+    assert!(digits > 0.0 || tets[0] == tets[1], "{files:?}: tetrahedra");
+}
+
+#[test]
+fn formats_of_one_grid_give_the_same_mesh() {
+    assert_same(["classic/bluntfin.vts", "classic/bluntfinxyz.bin"], 0.0);
+    assert_same(["curvilinear/multi-bin.xyz", "curvilinear/multi-bin-C.xyz"], 0.0);
+    assert_same(["curvilinear/multi-bin.xyz", "curvilinear/multi-ascii.xyz"], 1e-6);
+    for other in ["AppendedBase64", "Compressed", "InlineBinary", "RawBinary"] {
+        let file = format!("formats/RectilinearGrid{other}.vtr");
+        assert_same(["formats/RectilinearGrid_ascii.vtr", &file], 0.0);
+    }
+    assert_same(["formats/rectilinear_grid.vtk", "formats/rectilinear_grid_binary.vtk"], 0.0);
+}
+
+#[test]
+fn cells_are_split_turned_and_counted() {
+    let Some(folder) = data_folder("cells_are_split_turned_and_counted") else { return };
+    let open = |name: &str| io::open(&folder.join(name)).unwrap_or_else(|error| panic!("{error}"));
+    // 39 cells have collapsed at the leading edge: 115 of their tetrahedra repeat a point.
+    let fin = open("classic/bluntfin.vts");
+    assert_eq!((fin.counts.in_file, fin.counts.split), (37_479, 37_479));
+    assert_eq!((fin.tets.len(), fin.counts.degenerate), (6 * 37_479 - 115, 0));
+    let left_handed = open("curvilinear/SampleStructGrid.vtk");
+    assert_eq!((left_handed.tets.len(), left_handed.counts.inverted), (6 * 21_489, 6 * 21_489));
+    let post = open("classic/postxyz.bin");
+    assert_eq!((post.tets.len(), post.counts.ghost), (6 * 102_675, 0));
+    let flat = io::open(&folder.join("formats/rectilinear_grid.vtk")).unwrap_err().to_string();
+    assert!(flat.contains("6 cells without volume"), "{flat}");
+}
