@@ -62,7 +62,7 @@ impl Seen {
     /// Calls `f` with every block and the list of its cells.
     fn each_block(&self, cell_from_visible: &[u32], mut f: impl FnMut(&BlockView, &[u32])) {
         for block in self.blocks() {
-            f(&block, &cell_from_visible[..block.tets.len()]);
+            f(&block, &cell_from_visible[..block.len()]);
         }
     }
 }

@@ -139,19 +139,17 @@ fn mixed_cells_are_the_reference() {
     let mut points = points;
     let mut cells = Vec::new();
     for (i, (code, c)) in hexahedra.into_iter().enumerate() {
-        match i % 3 {
-            0 => cells.push((code, c)),
-            // Two wedges across the faces 0 1 5 4 and 3 7 6 2 … cut along one diagonal of bottom and top, which must be the
-            // neighbours' diagonal: only cells with a middle point of their own are cut here.
-            _ => {
-                let middle = points.len() as u32;
-                points.push(c.iter().map(|&v| points[v as usize]).sum::<DVec3>() / 8.0);
-                for face in HEXAHEDRON.faces {
-                    // Seen from the middle a face runs clockwise: turned, it is the base of a pyramid.
-                    let [a, b, d, e] = [3, 2, 1, 0].map(|k: usize| c[usize::from(face[k])]);
-                    cells.push((PYRAMID.code, vec![a, b, d, e, middle]));
-                }
-            }
+        if i % 3 == 0 {
+            cells.push((code, c));
+            continue;
+        }
+        // Around a middle of its own, so that its faces stay as they are.
+        let middle = points.len() as u32;
+        points.push(c.iter().map(|&v| points[v as usize]).sum::<DVec3>() / 8.0);
+        for face in HEXAHEDRON.faces {
+            // Seen from the middle a face runs clockwise: turned, it is the base of a pyramid.
+            let [a, b, d, e] = [3, 2, 1, 0].map(|k: usize| c[usize::from(face[k])]);
+            cells.push((PYRAMID.code, vec![a, b, d, e, middle]));
         }
     }
     for array in ["value", "cell_value"] {

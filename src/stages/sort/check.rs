@@ -76,7 +76,7 @@ mod tests {
         let keys = KeyMaker::new(key, view);
         let mut order = Vec::new();
         for block in (0..dataset.blocks.len()).map(|block| dataset.block(block)) {
-            let cells: Vec<u32> = (0..block.tets.len() as u32).collect();
+            let cells: Vec<u32> = (0..block.len() as u32).collect();
             let mut key_from_cell = Vec::new();
             keys.keys(&block, vertices, &cells, &mut key_from_cell);
             order.extend(cells.iter().zip(key_from_cell).map(|(&cell, key)| pair(key, block.base as u32 + cell)));
