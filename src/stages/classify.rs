@@ -7,6 +7,8 @@
 //!
 //! Source: CellFast, figure 3 (Shirley and Tuchman 1990).
 
+pub mod polyhedra;
+
 use glam::Vec2;
 
 /// The projections of a tetrahedron, named by their count of triangles as in CellFast's figure 3.

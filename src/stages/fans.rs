@@ -10,6 +10,7 @@
 //! triangle of the fan, so that plain interpolation gives each fragment its exact entry and exit.
 
 mod planes;
+pub mod polyhedra;
 
 use arrayvec::ArrayVec;
 use bytemuck::{Pod, Zeroable};

@@ -1,0 +1,166 @@
+//! `classify` for hexahedra, voxels, wedges and pyramids: how a cell's projection is divided into triangles.
+//!
+//! In: the projected corners of a cell, and whether it is positively oriented. Out: [`Projection`]: a [`Case`], the
+//! renumbering that brings the cell to the case's standard numbering, and which side is the front; or that the cell is to
+//! be drawn as tetrahedra.
+//! To add a kind: its representatives in `cases.rs`, found by the test that lists all there can be, and its line in
+//! `table.rs`.
+//!
+//! Source: Max 2006, section 2. The paper looks for faces that contain corners; here the same cases are told by which faces
+//! run counterclockwise on the picture and, for at most two inner corners, on which side of the inner edges opposite they
+//! lie. All signs are exact for the coordinates given (Shewchuk 1997), so that they never contradict each other.
+
+mod cases;
+mod overlay;
+mod renumber;
+mod sides;
+mod table;
+
+use glam::Vec2;
+
+pub use cases::{Case, Inner};
+pub use overlay::Crossing;
+pub use renumber::Renumbering;
+pub use table::Projections;
+
+use table::Entry;
+
+use crate::cells::CellKind;
+
+/// The corners of each face, counterclockwise seen from outside.
+type Faces = &'static [&'static [u8]];
+
+/// What a cell looks like on the picture.
+#[derive(Clone, Copy, Debug)]
+pub enum Projection {
+    /// One of the cases.
+    Whole(Placed),
+    /// No face has an area: the cell is seen edge-on and covers nothing.
+    EdgeOn,
+    /// A face is concave or crosses itself on the picture, so that a ray may meet the cell twice: to be drawn as
+    /// tetrahedra.
+    Split,
+}
+
+/// A cell in the standard numbering of its case.
+#[derive(Clone, Copy, Debug)]
+pub struct Placed {
+    /// The cell's kind.
+    pub kind: &'static CellKind,
+    /// The case.
+    pub case: &'static Case,
+    /// Which of the cell's corners and faces are the standard ones.
+    pub renumbering: &'static Renumbering,
+    /// Whether the case's lid is in front of its bowl.
+    pub lid_is_front: bool,
+}
+
+/// How a face runs on the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Turn {
+    Clockwise,
+    Counterclockwise,
+    /// It has no area.
+    EdgeOn,
+    /// Concave, or crossing itself.
+    Bad,
+}
+
+impl Projections {
+    /// Classifies a cell by its projected corners, all of which lie before the eye.
+    ///
+    /// Faces without an area go to either side; corners on a line go to either face at it: all choices draw the same.
+    ///
+    /// # Panics
+    /// If there are fewer corners than the kind has.
+    ///
+    /// ```
+    /// # use cellfan::{cells::VOXEL, stages::classify::polyhedra::{Projection, Projections}};
+    /// // Seen from above, the lower face of a frustum contains the upper one.
+    /// let corner = |i: usize| glam::Vec2::new((i & 1) as f32, (i >> 1 & 1) as f32) - 0.5;
+    /// let xy: [_; 8] = std::array::from_fn(|i| if i < 4 { 3.0 * corner(i) } else { corner(i) });
+    /// let Some(Projection::Whole(placed)) = Projections::of(&VOXEL).map(|table| table.classify(&xy, true)) else { panic!() };
+    /// assert_eq!((placed.case.name, placed.case.triangles.len()), ("count4", 10));
+    /// ```
+    #[inline]
+    pub fn classify(&'static self, xy: &[Vec2], is_positive: bool) -> Projection {
+        let xy = &xy[..self.kind.corners];
+        let (mut counterclockwise, mut edge_on) = (0_u8, 0_u8);
+        for (face, corners) in self.kind.faces.iter().enumerate() {
+            match turn(xy, corners) {
+                Turn::Counterclockwise => counterclockwise |= 1 << face,
+                Turn::EdgeOn => edge_on |= 1 << face,
+                Turn::Clockwise => {}
+                Turn::Bad => return Projection::Split,
+            }
+        }
+        if counterclockwise == 0 {
+            return Projection::EdgeOn;
+        }
+        let entry = self.entry(xy, counterclockwise).or_else(|| self.entry(xy, counterclockwise | edge_on));
+        let Some(entry) = entry else { return Projection::Split };
+        Projection::Whole(Placed {
+            kind: self.kind,
+            case: &self.cases()[entry.case],
+            renumbering: &entry.renumbering,
+            // A face that is counterclockwise seen from outside is so on the picture where it is in front.
+            lid_is_front: entry.lid_is_counterclockwise == is_positive,
+        })
+    }
+
+    /// The entry of a cell whose faces with set bits run counterclockwise.
+    #[inline]
+    fn entry(&self, xy: &[Vec2], counterclockwise: u8) -> Option<&Entry> {
+        let pattern = self.pattern(counterclockwise)?;
+        let mut places = [0; 2];
+        for (place, seeker) in places.iter_mut().zip(&pattern.seekers) {
+            let at = |corner: u8| xy[usize::from(corner)];
+            let is_inside = |[a, b]: &[u8; 2]| orientation(at(*a), at(*b), at(seeker.corner)) >= 0.0;
+            let last = seeker.candidates.len() - 1;
+            let found = seeker.candidates[..last].iter().position(|candidate| candidate.edges.iter().all(is_inside));
+            *place = found.unwrap_or(last);
+        }
+        pattern.entry(places)
+    }
+}
+
+/// Twice the area of the triangle a b c with its sign, which is exact: positive where it runs clockwise on the picture, whose
+/// rows run down.
+#[inline]
+fn orientation(a: Vec2, b: Vec2, c: Vec2) -> f64 {
+    let [a, b, c] = [a, b, c].map(|p| robust::Coord { x: f64::from(p.x), y: f64::from(p.y) });
+    robust::orient2d(a, b, c)
+}
+
+/// How a face runs: it is convex if all its turns are the same way.
+#[inline]
+fn turn(xy: &[Vec2], face: &[u8]) -> Turn {
+    let n = face.len();
+    let at = |i: usize| xy[usize::from(face[i % n])];
+    let (mut clockwise, mut counterclockwise) = (false, false);
+    // A triangle turns the same way at all corners.
+    for i in 0..if n == 3 { 1 } else { n } {
+        let sign = orientation(at(i), at(i + 1), at(i + 2));
+        clockwise |= sign > 0.0;
+        counterclockwise |= sign < 0.0;
+    }
+    match (clockwise, counterclockwise) {
+        (true, true) => Turn::Bad,
+        (true, false) => Turn::Clockwise,
+        (false, true) => Turn::Counterclockwise,
+        (false, false) if n == 4 && runs_back_and_forth([at(0), at(1), at(2), at(3)]) => Turn::Bad,
+        (false, false) => Turn::EdgeOn,
+    }
+}
+
+/// Whether a quadrilateral on a line turns round four times, which no convex one does that is turned edge-on.
+fn runs_back_and_forth(corners: [Vec2; 4]) -> bool {
+    let [a, b, c, d] = corners;
+    let extent = corners.iter().fold(Vec2::ZERO, |most, &p| most.max((p - a).abs()));
+    let along = |p: Vec2| if extent.x > extent.y { p.x } else { p.y };
+    let [a, b, c, d] = [a, b, c, d].map(along);
+    a.max(c) < b.min(d) || b.max(d) < a.min(c)
+}
+
+#[cfg(test)]
+mod tests;
