@@ -49,6 +49,20 @@ pub(in crate::stages) enum Shape {
     Collapsed(f64),
 }
 
+/// Shapes that meet every case, and how many cells of each to take: for each kind 10⁵ and more are whole.
+pub(in crate::stages) const SHAPES: [(Shape, usize); 10] = [
+    (Shape::Jittered(0.1), 40_000),
+    (Shape::Jittered(0.3), 50_000),
+    (Shape::Jittered(0.6), 50_000),
+    (Shape::Twisted(0.8), 30_000),
+    (Shape::Twisted(1.6), 20_000),
+    (Shape::Tilted(0.3), 30_000),
+    (Shape::Tilted(0.7), 20_000),
+    (Shape::Regular, 20_000),
+    (Shape::Anywhere, 200_000),
+    (Shape::Collapsed(0.3), 20_000),
+];
+
 impl Seen {
     /// A cell of one shape, seen from anywhere, half of them in perspective, half of them left-handed.
     pub(in crate::stages) fn random(kind: &'static CellKind, shape: Shape, random: &mut Random) -> Self {
@@ -97,7 +111,11 @@ impl Seen {
         let seen = |corner: &DVec3| {
             let p = turn * *corner;
             let w = p.z + depth;
-            if parallel { DVec3::new(p.x, p.y, -w) * 100.0 } else { DVec3::new(300.0 * p.x / w, 300.0 * p.y / w, 100.0 / w) }
+            if parallel {
+                DVec3::new(p.x, p.y, -w) * 100.0
+            } else {
+                DVec3::new(300.0 * p.x / w, 300.0 * p.y / w, 100.0 / w)
+            }
         };
         let corners = corners.iter().map(|corner| round(seen(corner))).collect();
         Self { kind, corners, is_positive }
@@ -110,7 +128,8 @@ impl Seen {
 
     /// The corners with a field whose q is `q`(x, y, v).
     pub(in crate::stages) fn projected(&self, q: impl Fn(DVec3) -> f64) -> Vec<ProjectedCorner> {
-        let corner = |&p: &DVec3| ProjectedCorner { position_px: p.truncate().as_vec2(), vq: DVec2::new(p.z, q(p)).as_vec2() };
+        let corner =
+            |&p: &DVec3| ProjectedCorner { position_px: p.truncate().as_vec2(), vq: DVec2::new(p.z, q(p)).as_vec2() };
         self.corners.iter().map(corner).collect()
     }
 

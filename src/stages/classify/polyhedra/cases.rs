@@ -5,9 +5,9 @@
 //! Sources: hexahedra: Max 2006, sections 3 and 4, in the paper's numbering, which is VTK's; for count 0 that around the
 //! octagon of its figure 12. Wedges and pyramids: all there are, by the same rule.
 
+use super::Faces;
 use super::overlay::{Crossing, Overlay};
 use super::sides::Sides;
-use super::Faces;
 use crate::cells::{CellKind, HEXAHEDRON, PYRAMID, VOXEL, WEDGE};
 
 /// One way in which a cell's projection is divided into triangles; vertices are the corners of its standard numbering,

@@ -69,7 +69,8 @@ enum Turn {
 impl Projections {
     /// Classifies a cell by its projected corners, all of which lie before the eye.
     ///
-    /// Faces without an area go to either side; corners on a line go to either face at it: all choices draw the same.
+    /// A face without an area goes to the side where everything fits, a corner on an edge opposite to either face there: what
+    /// is drawn is the same.
     ///
     /// # Panics
     /// If there are fewer corners than the kind has.
@@ -97,7 +98,10 @@ impl Projections {
         if counterclockwise == 0 {
             return Projection::EdgeOn;
         }
-        let entry = self.entry(xy, counterclockwise).or_else(|| self.entry(xy, counterclockwise | edge_on));
+        let entry = match edge_on {
+            0 => self.entry(xy, counterclockwise),
+            _ => self.entry_with_edge_on(xy, counterclockwise, edge_on),
+        };
         let Some(entry) = entry else { return Projection::Split };
         Projection::Whole(Placed {
             kind: self.kind,
@@ -121,6 +125,35 @@ impl Projections {
             *place = found.unwrap_or(last);
         }
         pattern.entry(places)
+    }
+
+    /// The same for a cell with faces that have no area: they go to that side where everything fits.
+    #[cold]
+    fn entry_with_edge_on(&self, xy: &[Vec2], counterclockwise: u8, edge_on: u8) -> Option<&Entry> {
+        let next = |some: &u8| Some(some.wrapping_sub(edge_on) & edge_on).filter(|&some| some != 0);
+        let mut subsets = std::iter::successors(Some(0), next);
+        subsets.find_map(|some| self.entry(xy, counterclockwise | some).filter(|entry| self.fits(xy, entry)))
+    }
+
+    /// Whether every inner corner lies in its face or on its boundary, and edges that are to cross do not miss each other.
+    fn fits(&self, xy: &[Vec2], entry: &Entry) -> bool {
+        let Case { inner, crossings, .. } = &self.cases()[entry.case];
+        let Renumbering { corner_from_standard, face_from_standard } = &entry.renumbering;
+        let at = |standard: u8| xy[usize::from(corner_from_standard[usize::from(standard)])];
+        let is_inside = |(corner, inner): (u8, &Option<Inner>)| {
+            let Some(Inner { of_lid, face }) = *inner else { return true };
+            let face = self.kind.faces[usize::from(face_from_standard[usize::from(face)])];
+            // The face is of the other side than the corner.
+            let clockwise = if of_lid == entry.lid_is_counterclockwise { 1.0 } else { -1.0 };
+            let edge = |i: usize| [face[i], face[(i + 1) % face.len()]].map(|corner| xy[usize::from(corner)]);
+            (0..face.len()).map(edge).all(|[a, b]| clockwise * orientation(a, b, at(corner)) >= 0.0)
+        };
+        let apart = |[a, b]: [u8; 2], [c, d]: [u8; 2]| {
+            let [of_c, of_d] = [c, d].map(|end| orientation(at(a), at(b), at(end)));
+            of_c.max(of_d) >= 0.0 && of_c.min(of_d) <= 0.0
+        };
+        (0..).zip(inner).all(is_inside)
+            && crossings.iter().all(|&Crossing { lid, bowl }| apart(lid, bowl) && apart(bowl, lid))
     }
 }
 

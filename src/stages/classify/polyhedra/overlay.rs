@@ -113,8 +113,7 @@ fn tracks(sides: Sides, inside: &[(u8, u8)], [a, b]: [u8; 2], lid: bool) -> Vec<
     let (start, end) = (at(a), at(b));
     let between = sides.inner_edges(lid);
     let mut found = Vec::new();
-    let mut open: Vec<Track> =
-        start.iter().map(|&face| Track { faces: vec![face], crossed: Vec::new() }).collect();
+    let mut open: Vec<Track> = start.iter().map(|&face| Track { faces: vec![face], crossed: Vec::new() }).collect();
     while let Some(track) = open.pop() {
         let Some(&here) = track.faces.last() else { continue };
         if end.contains(&here) {

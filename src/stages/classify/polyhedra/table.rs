@@ -57,7 +57,8 @@ static TABLES: [LazyLock<Option<Projections>>; 4] = [
 impl Projections {
     /// The projections of a kind; `None` for tetrahedra, whose are in [`classify`](super::super).
     pub fn of(kind: &CellKind) -> Option<&'static Self> {
-        let table = [VOXEL.code, HEXAHEDRON.code, WEDGE.code, PYRAMID.code].iter().position(|&code| code == kind.code)?;
+        let table =
+            [VOXEL.code, HEXAHEDRON.code, WEDGE.code, PYRAMID.code].iter().position(|&code| code == kind.code)?;
         TABLES[table].as_ref()
     }
 
@@ -86,7 +87,8 @@ impl Projections {
                     (corner_from_standard[usize::from(*corner)], face_from_standard[usize::from(*face)])
                 };
                 let inside: Vec<(u8, u8)> = inside.iter().map(to_cell).collect();
-                let lid_faces = definition.sides().faces_of(true).map(|face| renumbering.face_from_standard[usize::from(face)]);
+                let lid_faces =
+                    definition.sides().faces_of(true).map(|face| renumbering.face_from_standard[usize::from(face)]);
                 let lid: u8 = lid_faces.map(|face| 1 << face).sum();
                 for (counterclockwise, lid_is_counterclockwise) in [(lid, true), (all - 1 - lid, false)] {
                     let pattern = by_counterclockwise[usize::from(counterclockwise)].as_mut()?;

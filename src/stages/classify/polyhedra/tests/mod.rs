@@ -9,7 +9,7 @@ use super::sides::Sides;
 use super::*;
 use crate::cells::{HEXAHEDRON, PYRAMID, VOXEL, WEDGE};
 use crate::stages::testing::Random;
-use crate::stages::testing::polyhedra::{KINDS, Seen, Shape};
+use crate::stages::testing::polyhedra::{KINDS, SHAPES, Seen, Shape};
 
 mod paper;
 
@@ -111,19 +111,6 @@ fn the_cases_are_all_there_can_be_and_no_two_are_one() {
     }
 }
 
-/// Shapes with enough cells of each to meet every case, and how many of them to take.
-const SHAPES: [(Shape, usize); 9] = [
-    (Shape::Jittered(0.1), 20_000),
-    (Shape::Jittered(0.3), 40_000),
-    (Shape::Jittered(0.6), 60_000),
-    (Shape::Twisted(0.8), 20_000),
-    (Shape::Twisted(1.6), 20_000),
-    (Shape::Tilted(0.3), 20_000),
-    (Shape::Tilted(0.7), 20_000),
-    (Shape::Regular, 10_000),
-    (Shape::Anywhere, 200_000),
-];
-
 #[test]
 fn every_case_occurs_and_hexahedra_are_named_as_by_the_papers_tests() {
     let mut random = Random::new(6);
@@ -133,7 +120,8 @@ fn every_case_occurs_and_hexahedra_are_named_as_by_the_papers_tests() {
             for _ in 0..cells {
                 let seen = Seen::random(kind, shape, &mut random);
                 let found = name(&classify(&seen));
-                if kind.code == HEXAHEDRON.code {
+                // The paper splits cells with corners in one place.
+                if kind.code == HEXAHEDRON.code && !matches!(shape, Shape::Collapsed(_)) {
                     assert_eq!(found, paper::name(&seen), "{seen:?}");
                 }
                 *by_case.entry(found).or_default() += 1;
@@ -169,7 +157,8 @@ fn each_side_of_a_whole_cell_covers_the_same_points_once() {
                     let (a, b) = (at(random.unit()), at(random.unit()));
                     let p = a.lerp(b, random.unit()) + random.point().truncate();
                     let on_side = |clockwise: bool| {
-                        let faces = (0..kind.faces.len()).filter(|&face| (areas[face] > 0.0) == clockwise);
+                        let is_on_side = |area: f64| area != 0.0 && (area > 0.0) == clockwise;
+                        let faces = (0..kind.faces.len()).filter(|&face| is_on_side(areas[face]));
                         faces.filter(|&face| contains(&seen.face(face), p)).count()
                     };
                     let [clockwise, counterclockwise] = [true, false].map(on_side);

@@ -33,12 +33,14 @@ pub(super) fn name(seen: &Seen) -> &'static str {
         if edges.iter().any(|&(a, b, c, d)| side(a, b, c) != side(a, b, d)) {
             return "split";
         }
-        let is_inside = |&v: &usize| !face.contains(&v) && edges.iter().all(|&(a, b, c, _)| side(a, b, v) == side(a, b, c));
+        let is_inside =
+            |&v: &usize| !face.contains(&v) && edges.iter().all(|&(a, b, c, _)| side(a, b, v) == side(a, b, c));
         if contained.is_empty() {
             contained.extend((0..8).filter(is_inside).map(|v| (*face, v)));
         }
     }
-    let crosses = |[a, b]: [usize; 2], [c, d]: [usize; 2]| side(a, b, c) != side(a, b, d) && side(c, d, a) != side(c, d, b);
+    let crosses =
+        |[a, b]: [usize; 2], [c, d]: [usize; 2]| side(a, b, c) != side(a, b, d) && side(c, d, a) != side(c, d, b);
     match contained[..] {
         [] => "count0",
         [(face, inner)] => {
