@@ -14,7 +14,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, Vec2};
 
 use crate::cells::CellKind;
-use crate::stages::classify::polyhedra::{Crossing, Placed};
+use crate::stages::classify::polyhedra::{Case, Crossing, Placed, share_to_crossing};
 
 /// A projected corner of a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -41,15 +41,12 @@ pub struct FanVertex {
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellFans {
     /// The corners in the case's standard numbering, then the crossings.
-    pub vertices: ArrayVec<FanVertex, { CellFans::VERTICES_MAX }>,
+    pub vertices: ArrayVec<FanVertex, { Case::VERTICES_MAX }>,
     /// Indices of vertices; all triangles of a cell turn the same way.
     pub triangles: &'static [[u8; 3]],
 }
 
 impl CellFans {
-    /// No case has more vertices: a hexahedron's eight corners and four crossings.
-    pub const VERTICES_MAX: usize = 12;
-
     /// The triangles of a placed cell; `corners` are in its kind's order, bit f of `diagonals` is that of
     /// [`diagonals`](crate::cells::diagonals).
     ///
@@ -100,19 +97,20 @@ impl CellFans {
     }
 }
 
+fn position(corner: ProjectedCorner) -> DVec2 {
+    corner.position_px.as_dvec2()
+}
+
 /// Twice the area of a triangle, with its sign.
 #[inline]
 fn area(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     (b - a).perp_dot(c - a)
 }
 
-/// Where the edge a b crosses the line c d: a and b lie on different sides of it, at distances as the areas of a c d and
-/// b c d, so t = A(a c d) / (A(a c d) − A(b c d)) subtracts nothing that is alike. If a lies on the line it is a.
+/// The point of an edge where it crosses another.
 #[inline]
-fn along([a, b]: [ProjectedCorner; 2], line: [ProjectedCorner; 2]) -> ProjectedCorner {
-    let [c, d] = line.map(|corner| corner.position_px.as_dvec2());
-    let [of_a, of_b] = [a, b].map(|end| area(c, d, end.position_px.as_dvec2()));
-    let t = if of_a == 0.0 { 0.0 } else { (of_a / (of_a - of_b)).clamp(0.0, 1.0) };
+fn along([a, b]: [ProjectedCorner; 2], other: [ProjectedCorner; 2]) -> ProjectedCorner {
+    let t = share_to_crossing([a, b].map(position), other.map(position));
     let lerp = |a: Vec2, b: Vec2| a.as_dvec2().lerp(b.as_dvec2(), t).as_vec2();
     ProjectedCorner { position_px: lerp(a.position_px, b.position_px), vq: lerp(a.vq, b.vq) }
 }
@@ -124,16 +122,16 @@ fn on_face(kind: &CellKind, corners: &[ProjectedCorner], face: u8, from_second: 
     let face = kind.faces[usize::from(face)];
     let at = |i: usize| corners[usize::from(face[i % face.len()])];
     let first = usize::from(from_second && face.len() == 4);
-    let xy = |i: usize| at(i).position_px.as_dvec2();
+    let xy = |i: usize| position(at(i));
     let (a, c, p) = (xy(first), xy(first + 2), p.as_dvec2());
     // The triangle a b c has p if b and p lie on one side of a c.
     let second = if face.len() == 4 && area(a, c, p) * area(a, c, xy(first + 1)) < 0.0 { 3 } else { 1 };
     let triangle = [first, first + second, first + 2].map(at);
-    let b = triangle[1].position_px.as_dvec2();
+    let b = position(triangle[1]);
     let whole = area(a, b, c);
     if whole == 0.0 {
         // Seen edge-on: the end that p is at, or next to.
-        let distance = |corner: &&ProjectedCorner| corner.position_px.as_dvec2().distance_squared(p);
+        let distance = |corner: &&ProjectedCorner| position(**corner).distance_squared(p);
         let nearest = triangle.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
         return nearest.unwrap_or(&triangle[0]).vq;
     }

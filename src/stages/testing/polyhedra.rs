@@ -95,7 +95,9 @@ impl Seen {
         }
         let is_positive = random.unit() < 0.5;
         if !is_positive {
-            corners.iter_mut().for_each(|corner| corner.x = -corner.x);
+            for corner in &mut corners {
+                corner.x = -corner.x;
+            }
         }
         if matches!(shape, Shape::Lattice) {
             // Along one of the lattice's axes: coordinates stay whole, ties stay ties.

@@ -26,6 +26,11 @@ pub struct Case {
     pub triangles: Vec<[u8; 3]>,
 }
 
+impl Case {
+    /// No case has more vertices: a hexahedron's eight corners and four crossings.
+    pub const VERTICES_MAX: usize = 12;
+}
+
 /// An inner corner: of which side it is, and where it lies on the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Inner {
@@ -117,7 +122,7 @@ pub(super) fn definitions(kind: &CellKind) -> &'static [Definition] {
 /// The face with these corners.
 fn face_of(faces: Faces, corners: &[u8]) -> Option<u8> {
     let is_it = |face: &&[u8]| face.len() == corners.len() && face.iter().all(|corner| corners.contains(corner));
-    faces.iter().position(|face| is_it(face)).map(|face| face as u8)
+    faces.iter().position(is_it).map(|face| face as u8)
 }
 
 impl Definition {

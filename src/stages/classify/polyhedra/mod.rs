@@ -16,7 +16,8 @@ mod renumber;
 mod sides;
 mod table;
 
-use glam::Vec2;
+use arrayvec::ArrayVec;
+use glam::{DVec2, Vec2};
 
 pub use cases::{Case, Inner};
 pub use overlay::Crossing;
@@ -69,8 +70,8 @@ enum Turn {
 impl Projections {
     /// Classifies a cell by its projected corners, all of which lie before the eye.
     ///
-    /// A face without an area goes to the side where everything fits, a corner on an edge opposite to either face there: what
-    /// is drawn is the same.
+    /// A face without an area goes to the side where no triangle is turned over, a corner on an edge opposite to either face
+    /// there: what is drawn is the same.
     ///
     /// # Panics
     /// If there are fewer corners than the kind has.
@@ -127,34 +128,48 @@ impl Projections {
         pattern.entry(places)
     }
 
-    /// The same for a cell with faces that have no area: they go to that side where everything fits.
+    /// The same for a cell with faces that have no area: they go to that side where the triangles lie flat.
     #[cold]
     fn entry_with_edge_on(&self, xy: &[Vec2], counterclockwise: u8, edge_on: u8) -> Option<&Entry> {
         let next = |some: &u8| Some(some.wrapping_sub(edge_on) & edge_on).filter(|&some| some != 0);
         let mut subsets = std::iter::successors(Some(0), next);
-        subsets.find_map(|some| self.entry(xy, counterclockwise | some).filter(|entry| self.fits(xy, entry)))
+        subsets.find_map(|some| self.entry(xy, counterclockwise | some).filter(|entry| self.lies_flat(xy, entry)))
     }
 
-    /// Whether every inner corner lies in its face or on its boundary, and edges that are to cross do not miss each other.
-    fn fits(&self, xy: &[Vec2], entry: &Entry) -> bool {
-        let Case { inner, crossings, .. } = &self.cases()[entry.case];
-        let Renumbering { corner_from_standard, face_from_standard } = &entry.renumbering;
-        let at = |standard: u8| xy[usize::from(corner_from_standard[usize::from(standard)])];
-        let is_inside = |(corner, inner): (u8, &Option<Inner>)| {
-            let Some(Inner { of_lid, face }) = *inner else { return true };
-            let face = self.kind.faces[usize::from(face_from_standard[usize::from(face)])];
-            // The face is of the other side than the corner.
-            let clockwise = if of_lid == entry.lid_is_counterclockwise { 1.0 } else { -1.0 };
-            let edge = |i: usize| [face[i], face[(i + 1) % face.len()]].map(|corner| xy[usize::from(corner)]);
-            (0..face.len()).map(edge).all(|[a, b]| clockwise * orientation(a, b, at(corner)) >= 0.0)
+    /// Whether no triangle of the entry is turned over.
+    fn lies_flat(&self, xy: &[Vec2], entry: &Entry) -> bool {
+        let Case { inner, crossings, triangles, .. } = &self.cases()[entry.case];
+        let standard = entry.renumbering.corner_from_standard.iter().take(inner.len());
+        let mut p: ArrayVec<DVec2, { Case::VERTICES_MAX }> =
+            standard.map(|&corner| xy[usize::from(corner)].as_dvec2()).collect();
+        for Crossing { lid, bowl } in crossings {
+            let [lid, bowl] = [lid, bowl].map(|edge| edge.map(|corner| p[usize::from(corner)]));
+            p.push(lid[0].lerp(lid[1], share_to_crossing(lid, bowl)));
+        }
+        let area = |triangle: &[u8; 3]| {
+            let [a, b, c] = triangle.map(|vertex| p[usize::from(vertex)]);
+            (b - a).perp_dot(c - a)
         };
-        let apart = |[a, b]: [u8; 2], [c, d]: [u8; 2]| {
-            let [of_c, of_d] = [c, d].map(|end| orientation(at(a), at(b), at(end)));
-            of_c.max(of_d) >= 0.0 && of_c.min(of_d) <= 0.0
-        };
-        (0..).zip(inner).all(is_inside)
-            && crossings.iter().all(|&Crossing { lid, bowl }| apart(lid, bowl) && apart(bowl, lid))
+        // They run as the lid does. A crossing is rounded to some 10⁻¹⁵ of the cell's extent.
+        let run = if entry.lid_is_counterclockwise { -1.0 } else { 1.0 };
+        let least = triangles.iter().map(|of| run * area(of)).fold(0.0, f64::min);
+        least >= -1e-12 * triangles.iter().map(|of| area(of).abs()).sum::<f64>()
     }
+}
+
+/// How far along an edge it crosses another, from 0 at its first end to 1.
+///
+/// The ends a, b lie on different sides of c d, at distances as the areas of c d a and c d b, so the share
+/// A(c d a) / (A(c d a) − A(c d b)) subtracts nothing that is alike. Edges on one line cross in the middle of what they have
+/// in common.
+#[inline]
+pub fn share_to_crossing([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> f64 {
+    let [of_a, of_b] = [a, b].map(|end| (d - c).perp_dot(end - c));
+    if of_a == 0.0 && of_b == 0.0 {
+        let share = |p: DVec2| ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+        return if a == b { 0.0 } else { 0.5 * (share(c) + share(d)) };
+    }
+    (of_a / (of_a - of_b)).clamp(0.0, 1.0)
 }
 
 /// Twice the area of the triangle a b c with its sign, which is exact: positive where it runs clockwise on the picture, whose

@@ -1,12 +1,12 @@
 use std::collections::BTreeMap;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use super::*;
-use crate::cells::{HEXAHEDRON, diagonals};
+use crate::cells::{HEXAHEDRON, VOXEL, diagonals};
 use crate::stages::classify::polyhedra::{Projection, Projections};
 use crate::stages::testing::Random;
-use crate::stages::testing::polyhedra::{KINDS, SHAPES, Seen, Shape, polygon_area};
+use crate::stages::testing::polyhedra::{KINDS, SHAPES, Seen, Shape, polygon_area, unit};
 
 mod paper;
 
@@ -88,6 +88,42 @@ fn corners_in_one_place_and_on_a_line_are_covered_like_others() {
         }
         println!("{}: {ties} whole cells with a face seen edge-on", kind.name);
         assert!(ties > 1000, "{}: {ties}", kind.name);
+    }
+}
+
+#[test]
+fn a_cube_with_faces_edge_on_and_corners_behind_each_other_is_as_thick_as_the_rays_in_it() {
+    // Columns, rows and v of the cube's corners: along an axis, along the diagonal of a face and that of the cube.
+    let along_axis = DMat3::from_cols(DVec3::X, DVec3::Y, DVec3::NEG_Z);
+    let along_face = DMat3::from_cols(DVec3::new(1.0, 0.0, -1.0), DVec3::Y, DVec3::new(-1.0, 0.0, -1.0));
+    let along_cube =
+        DMat3::from_cols(DVec3::new(1.0, 1.0, -1.0), DVec3::new(-1.0, 1.0, -1.0), DVec3::new(0.0, -2.0, -1.0));
+    let mut random = Random::new(16);
+    for kind in [&HEXAHEDRON, &VOXEL] {
+        for (picture_from_cube, longest) in [(along_axis, 1.0), (along_face, 2.0), (along_cube, 3.0)] {
+            let corners: Vec<DVec3> = unit(kind).into_iter().map(|corner| picture_from_cube * corner).collect();
+            // v grows towards the eye: columns, rows and depth are right-handed if columns, rows and v are not.
+            let seen = Seen { kind, corners, is_positive: picture_from_cube.determinant() < 0.0 };
+            let fans = fans(&seen, &placed(&seen).unwrap(), 0b10_1101);
+            check_cover(&seen, &fans);
+            let cube_from_picture = picture_from_cube.inverse();
+            let mut checked = 0.0_f64;
+            for _ in 0..1000 {
+                let p = random.point().truncate();
+                // Between the planes at −½ and ½ of each axis.
+                let (origin, along) = (cube_from_picture * p.extend(0.0), cube_from_picture.z_axis);
+                let axes = (0..3).filter(|&axis| along[axis] != 0.0);
+                let ends = axes.map(|axis| [-0.5, 0.5].map(|plane| (plane - origin[axis]) / along[axis]));
+                let entry = ends.clone().map(|[a, b]| a.max(b)).fold(f64::INFINITY, f64::min);
+                let exit = ends.map(|[a, b]| a.min(b)).fold(f64::NEG_INFINITY, f64::max);
+                let beside = (0..3).any(|axis| along[axis] == 0.0 && origin[axis].abs() > 0.5);
+                let expected = if beside || entry < exit { 0.0 } else { entry - exit };
+                let thickness = interpolated(&fans, p).map_or(0.0, |[front, back]| front.x - back.x);
+                assert!((thickness - expected).abs() < 1e-6, "{thickness} is not {expected} at {p}: {fans:?}");
+                checked = checked.max(thickness);
+            }
+            assert!(checked > 0.8 * longest, "{checked} of {longest}");
+        }
     }
 }
 
@@ -177,7 +213,7 @@ fn an_inner_corner_is_opposite_to_the_triangle_that_its_faces_diagonal_makes() {
             let fans = fans(&seen, &placed, diagonals(kind, &numbers, |number| number));
             for (vertex, inner) in fans.vertices.iter().zip(&placed.case.inner) {
                 let Some(inner) = inner else {
-                    assert_eq!(vertex.front, vertex.back);
+                    assert_eq!(vertex.front.map(f32::to_bits), vertex.back.map(f32::to_bits));
                     continue;
                 };
                 let face = kind.faces[usize::from(placed.renumbering.face_from_standard[usize::from(inner.face)])];

@@ -137,9 +137,13 @@ fn every_case_occurs_and_hexahedra_are_named_as_by_the_papers_tests() {
 /// Whether a point lies inside a convex polygon of either orientation.
 fn contains(polygon: &[DVec2], p: DVec2) -> bool {
     let n = polygon.len();
-    let signs = (0..n).map(|i| (polygon[(i + 1) % n] - polygon[i]).perp_dot(p - polygon[i]) > 0.0);
-    let inside = signs.clone().filter(|&sign| sign).count();
-    inside == 0 || inside == n
+    let areas = (0..n).map(|i| (polygon[(i + 1) % n] - polygon[i]).perp_dot(p - polygon[i]));
+    let (mut left, mut right) = (false, false);
+    for area in areas {
+        left |= area < 0.0;
+        right |= area > 0.0;
+    }
+    left != right
 }
 
 #[test]
