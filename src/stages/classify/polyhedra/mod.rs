@@ -180,23 +180,51 @@ fn orientation(a: Vec2, b: Vec2, c: Vec2) -> f64 {
     robust::orient2d(a, b, c)
 }
 
-/// How a face runs: it is convex if all its turns are the same way.
+/// How a face runs on the picture.
 #[inline]
 fn turn(xy: &[Vec2], face: &[u8]) -> Turn {
-    let n = face.len();
-    let at = |i: usize| xy[usize::from(face[i % n])];
-    let (mut clockwise, mut counterclockwise) = (false, false);
-    // A triangle turns the same way at all corners.
-    for i in 0..if n == 3 { 1 } else { n } {
-        let sign = orientation(at(i), at(i + 1), at(i + 2));
-        clockwise |= sign > 0.0;
-        counterclockwise |= sign < 0.0;
+    let at = |corner: u8| xy[usize::from(corner)];
+    match *face {
+        [a, b, c] => match orientation(at(a), at(b), at(c)) {
+            area if area > 0.0 => Turn::Clockwise,
+            area if area < 0.0 => Turn::Counterclockwise,
+            _ => Turn::EdgeOn,
+        },
+        [a, b, c, d] => turn_of_quadrilateral([at(a), at(b), at(c), at(d)]),
+        _ => Turn::Bad,
     }
-    match (clockwise, counterclockwise) {
+}
+
+/// A quadrilateral is convex if it turns the same way at all its corners.
+#[inline]
+fn turn_of_quadrilateral(corners: [Vec2; 4]) -> Turn {
+    let p = corners.map(Vec2::as_dvec2);
+    let sides: [DVec2; 4] = std::array::from_fn(|i| p[(i + 1) % 4] - p[i]);
+    let turns: [f64; 4] = std::array::from_fn(|i| sides[i].perp_dot(sides[(i + 1) % 4]));
+    let (least, most) = turns.into_iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
+    let longest = sides.into_iter().map(|side| side.abs().max_element()).fold(0.0, f64::max);
+    // Each product of two rounded differences is off by 3·2⁻⁵³ of itself, their difference by one more: 8·2⁻⁵³ in all.
+    let uncertain = 1e-15 * longest * longest;
+    if least > uncertain {
+        Turn::Clockwise
+    } else if most < -uncertain {
+        Turn::Counterclockwise
+    } else if least < -uncertain && most > uncertain {
+        Turn::Bad
+    } else {
+        exact_turn_of_quadrilateral(corners)
+    }
+}
+
+/// The same where the sign of some turn is not certain.
+#[cold]
+fn exact_turn_of_quadrilateral(corners: [Vec2; 4]) -> Turn {
+    let turns: [f64; 4] = std::array::from_fn(|i| orientation(corners[i], corners[(i + 1) % 4], corners[(i + 2) % 4]));
+    match (turns.iter().any(|&turn| turn > 0.0), turns.iter().any(|&turn| turn < 0.0)) {
         (true, true) => Turn::Bad,
         (true, false) => Turn::Clockwise,
         (false, true) => Turn::Counterclockwise,
-        (false, false) if n == 4 && runs_back_and_forth([at(0), at(1), at(2), at(3)]) => Turn::Bad,
+        (false, false) if runs_back_and_forth(corners) => Turn::Bad,
         (false, false) => Turn::EdgeOn,
     }
 }

@@ -1,6 +1,7 @@
 use std::collections::BTreeMap;
 
 use glam::{DMat3, DVec3};
+use rayon::prelude::*;
 
 use super::*;
 use crate::cells::{HEXAHEDRON, VOXEL, diagonals};
@@ -72,6 +73,30 @@ fn triangles_cover_half_the_area_of_the_faces_and_do_not_overlap() {
         }
         println!("{}: {by_shape:?}", kind.name);
         assert!(by_shape.iter().map(|(_, whole)| whole).sum::<usize>() >= 100_000, "{}", kind.name);
+    }
+}
+
+/// As Max 2006, section 7, and more strictly: each of them has to pass the area test.
+#[test]
+#[ignore = "a minute: cargo test --lib hundred_million -- --ignored --nocapture"]
+fn a_hundred_million_random_hexahedra_are_covered() {
+    let of_seed = |seed: u64| {
+        let mut random = Random::new(seed);
+        let mut by_case = [0_u64; 8];
+        for _ in 0..1_000_000 {
+            let seen = Seen::random(&HEXAHEDRON, Shape::Anywhere, &mut random);
+            if let Some(placed) = placed(&seen) {
+                check_cover(&seen, &fans(&seen, &placed, 0));
+                by_case[placed.case.index] += 1;
+            }
+        }
+        by_case
+    };
+    let sum = |a: [u64; 8], b: [u64; 8]| std::array::from_fn(|case| a[case] + b[case]);
+    let by_case = (100..200).into_par_iter().map(of_seed).reduce(|| [0; 8], sum);
+    for (case, cells) in Projections::of(&HEXAHEDRON).unwrap().cases().iter().zip(by_case) {
+        println!("{}: {cells}", case.name);
+        assert!(cells > 0);
     }
 }
 

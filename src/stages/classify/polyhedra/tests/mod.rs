@@ -7,7 +7,7 @@ use super::overlay::Overlay;
 use super::renumber::renumberings;
 use super::sides::Sides;
 use super::*;
-use crate::cells::{HEXAHEDRON, PYRAMID, VOXEL, WEDGE};
+use crate::cells::{HEXAHEDRON, PYRAMID, TETRAHEDRON, VOXEL, WEDGE};
 use crate::stages::testing::Random;
 use crate::stages::testing::polyhedra::{KINDS, SHAPES, Seen, Shape};
 
@@ -173,4 +173,25 @@ fn each_side_of_a_whole_cell_covers_the_same_points_once() {
         }
         assert!(checked > 10_000, "{}: {checked} points", kind.name);
     }
+}
+
+#[test]
+fn classify_without_a_case() {
+    let square = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
+    let hexahedron = |top: [Vec2; 4]| {
+        let table = Projections::of(&HEXAHEDRON).unwrap();
+        name(&table.classify(&[square, top].concat(), true))
+    };
+    assert_eq!(hexahedron(square), "count4", "two faces behind each other, the others edge-on");
+    let [a, b, c, d] = square.map(|corner| 0.5 * corner + 0.1);
+    assert_eq!(hexahedron([a, b, c, d]), "count4");
+    assert_eq!(hexahedron([a, c, b, d]), "split", "a face that crosses itself");
+    assert_eq!(hexahedron([a, b, a.lerp(c, 0.2), d]), "split", "a concave face");
+    for cell in [[Vec2::ZERO; 8], [Vec2::NAN; 8], std::array::from_fn(|i| Vec2::splat((i % 4 / 2) as f32))] {
+        assert_eq!(name(&Projections::of(&HEXAHEDRON).unwrap().classify(&cell, true)), "edge_on");
+    }
+    // On a line, but 0, 1, 2, 3 run back and forth.
+    let zigzag = [0.0, 2.0, 1.0, 3.0, 0.0, 2.0, 1.0, 3.0].map(Vec2::splat);
+    assert_eq!(name(&Projections::of(&HEXAHEDRON).unwrap().classify(&zigzag, true)), "split");
+    assert!(Projections::of(&TETRAHEDRON).is_none());
 }
