@@ -7,6 +7,7 @@
 
 use super::Faces;
 use super::overlay::{Crossing, Overlay};
+use super::renumber::Renumbering;
 use super::sides::Sides;
 use crate::cells::{CellKind, HEXAHEDRON, PYRAMID, VOXEL, WEDGE};
 
@@ -142,6 +143,14 @@ impl Definition {
         };
         let place = |corner| sides.inner(corner).and_then(|of_lid| Some((corner, face(corner, of_lid)?)));
         (0..sides.corners()).filter_map(place).collect()
+    }
+
+    /// The lid, and where each inner corner lies, on a cell in another numbering.
+    pub(super) fn renumbered(&self, to_cell: &Renumbering) -> (u8, Vec<(u8, u8)>) {
+        let corner = |corner: u8| to_cell.corner_from_standard[usize::from(corner)];
+        let face = |face: u8| to_cell.face_from_standard[usize::from(face)];
+        let lid = self.sides().faces_of(true).map(|of_lid| 1 << face(of_lid)).sum();
+        (lid, self.inside().into_iter().map(|(inner, lies_in)| (corner(inner), face(lies_in))).collect())
     }
 
     /// The case in full; `None` if no projection is like that.

@@ -80,19 +80,12 @@ impl Projections {
         let pattern = |lid| Pattern::new(Sides { faces: kind.faces, lid });
         let mut by_counterclockwise: Vec<Option<Pattern>> = (0..all).map(pattern).collect();
         for (case, definition) in definitions.iter().enumerate() {
-            let inside = definition.inside();
             for renumbering in renumberings(definition.faces, kind.faces) {
-                let to_cell = |(corner, face): &(u8, u8)| {
-                    let Renumbering { corner_from_standard, face_from_standard } = renumbering;
-                    (corner_from_standard[usize::from(*corner)], face_from_standard[usize::from(*face)])
-                };
-                let inside: Vec<(u8, u8)> = inside.iter().map(to_cell).collect();
-                let lid_faces =
-                    definition.sides().faces_of(true).map(|face| renumbering.face_from_standard[usize::from(face)]);
-                let lid: u8 = lid_faces.map(|face| 1 << face).sum();
+                let (lid, inside) = definition.renumbered(&renumbering);
                 for (counterclockwise, lid_is_counterclockwise) in [(lid, true), (all - 1 - lid, false)] {
                     let pattern = by_counterclockwise[usize::from(counterclockwise)].as_mut()?;
                     let [first, second] = pattern.places(&inside)?;
+                    // Rotations that map the case to itself do equally well; the first is taken.
                     pattern.entries[first][second].get_or_insert(Entry { case, renumbering, lid_is_counterclockwise });
                 }
             }
@@ -112,6 +105,7 @@ impl Pattern {
             let candidates: ArrayVec<Candidate, 5> =
                 sides.faces_of(!of_lid).map(|face| Candidate::new(sides, face)).collect();
             if candidates.len() > 1 {
+                // More than two would be a kind that this table is too small for.
                 seekers.try_push(Seeker { corner, candidates: candidates.into_iter().collect() }).ok()?;
             }
         }

@@ -73,15 +73,9 @@ type Key = (u8, Vec<(u8, u8)>);
 /// Arrangements of the kind, both ways round, that are those of a case.
 fn arrangements_of_case(kind: &CellKind, case: usize) -> Vec<Key> {
     let definition = &definitions(kind)[case];
-    let sides = definition.sides();
     let mut keys = Vec::new();
-    for one in renumberings(definition.faces, kind.faces) {
-        let lid: u8 = sides.faces_of(true).map(|face| 1 << one.face_from_standard[usize::from(face)]).sum();
-        let mut inside: Vec<(u8, u8)> = definition
-            .inside()
-            .iter()
-            .map(|&(c, f)| (one.corner_from_standard[usize::from(c)], one.face_from_standard[usize::from(f)]))
-            .collect();
+    for renumbering in renumberings(definition.faces, kind.faces) {
+        let (lid, mut inside) = definition.renumbered(&renumbering);
         inside.sort_unstable();
         let all = (1 << kind.faces.len()) - 1;
         keys.extend([lid, all - lid].map(|lid| (lid, inside.clone())));
@@ -107,6 +101,12 @@ fn the_cases_are_all_there_can_be_and_no_two_are_one() {
             assert!(Overlay::new(sides, &inside).is_some(), "{sides:?} {inside:?} has no overlay, or several");
             inside.sort_unstable();
             assert!(case_from_key.contains_key(&(sides.lid, inside)), "{sides:?} is of no case");
+        }
+        // Euler: a polygon of H sides with V vertices in and on it is cut into 2V − 2 − H triangles.
+        for (case, definition) in Projections::of(kind).unwrap().cases().iter().zip(definitions(kind)) {
+            let vertices = kind.corners + case.crossings.len();
+            let expected = 2 * vertices - 2 - definition.sides().outline().len();
+            assert_eq!(case.triangles.len(), expected, "{}", case.name);
         }
     }
 }
