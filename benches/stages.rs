@@ -8,13 +8,15 @@ mod support;
 
 use std::hint::black_box;
 
-use cellfan::Model;
+use cellfan::cells::HEXAHEDRON;
 use cellfan::columns::BlockView;
 use cellfan::generate::Kind;
 use cellfan::optics::integral::segment_weights_average;
 use cellfan::optics::{CullTable, LANES, Pieces, SegmentWeights, segment_weights, segment_weights_thin};
 use cellfan::stages::classify::classify;
+use cellfan::stages::classify::polyhedra::{Placed, Projection, Projections};
 use cellfan::stages::cull::{Culled, cull};
+use cellfan::stages::fans::polyhedra::{CellFans, ProjectedCorner};
 use cellfan::stages::fans::{self, Fan, FanInput, PlanesFor};
 use cellfan::stages::footprints::planes::{Batch, Corners, TileRays};
 use cellfan::stages::footprints::{PixelBox, PixelBoxes};
@@ -22,8 +24,10 @@ use cellfan::stages::project::{project, scene_vertices};
 use cellfan::stages::sort::radix::{Pair, pair, sort, sort_coherent, sort_local};
 use cellfan::stages::sort::{KeyMaker, SortKey};
 use cellfan::stages::{SceneVertex, ScreenVertex, View};
+use cellfan::{Camera, Model};
 use criterion::measurement::WallTime;
 use criterion::{BatchSize, BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
+use glam::{DVec2, DVec3, UVec3, Vec2};
 
 use support::{Mesh, TRANSPARENT_BELOW, transfer};
 
@@ -137,6 +141,84 @@ fn bench_classify(criterion: &mut Criterion) {
     assert!(by_class[1] > seen.cells() / 10 && by_class[2] > seen.cells() / 10, "{by_class:?}");
 }
 
+/// Boxes of a grid with moved corners, seen in perspective: the projected corners of each, and those of a field on them.
+struct Boxes {
+    xy: Vec<[Vec2; 8]>,
+    corners: Vec<[ProjectedCorner; 8]>,
+}
+
+impl Boxes {
+    const SIDE: u32 = 48;
+
+    fn new() -> Self {
+        let camera = Camera::looking_at(DVec3::new(3.0, -2.2, 1.6), DVec3::splat(0.5), SIDE_PX, SIDE_PX);
+        let frame = camera.frame().expect("the camera is valid");
+        let vertex = |at: UVec3| {
+            // Each coordinate is moved by up to a tenth of a box, by a hash.
+            let hash = (at.x * 73 + at.y * 179 + at.z * 283).wrapping_mul(0x9e37_79b9);
+            let moved = [0, 10, 20].map(|shift| f64::from(hash >> shift & 0x3ff) / 1023.0 - 0.5);
+            let position = (at.as_dvec3() + 0.2 * DVec3::from_array(moved)) / f64::from(Self::SIDE);
+            let v = 1.0 / frame.depth(position);
+            ProjectedCorner {
+                position_px: frame.pixel(position).as_vec2(),
+                vq: DVec2::new(v, position.x * v).as_vec2(),
+            }
+        };
+        let around = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
+        let cell = |i: u32| UVec3::new(i % Self::SIDE, i / Self::SIDE % Self::SIDE, i / Self::SIDE.pow(2));
+        let corners = |i| around.map(|corner| vertex(cell(i) + UVec3::from_array(corner)));
+        let corners: Vec<_> = (0..Self::SIDE.pow(3)).map(corners).collect();
+        Self { xy: corners.iter().map(|of| of.map(|corner| corner.position_px)).collect(), corners }
+    }
+}
+
+fn bench_hexahedra(criterion: &mut Criterion) {
+    let boxes = Boxes::new();
+    let cells = boxes.xy.len() as u64;
+    let table = Projections::of(&HEXAHEDRON).expect("hexahedra have a table");
+    let classify = || boxes.xy.iter().map(|xy| table.classify(black_box(xy), true));
+    let whole: Vec<(usize, Placed)> = (0..)
+        .zip(classify())
+        .filter_map(|(cell, projection)| match projection {
+            Projection::Whole(placed) => Some((cell, placed)),
+            Projection::EdgeOn | Projection::Split => None,
+        })
+        .collect();
+    assert!(whole.len() as u64 > cells / 4, "{} of {cells} boxes are whole", whole.len());
+    let mut by_case = vec![0_u64; table.cases().len()];
+    for (_, placed) in &whole {
+        by_case[placed.case.index] += 1;
+    }
+    assert!(by_case.iter().filter(|&&cells| cells > 0).count() >= 3, "{by_case:?}");
+
+    let mut group = criterion.benchmark_group("stage/classify");
+    throughput(&mut group, cells, 8 * size_of::<Vec2>());
+    group.bench_function("hexahedra", |b| {
+        b.iter(|| classify().filter(|projection| matches!(projection, Projection::Whole(_))).count());
+    });
+    group.finish();
+
+    let mut group = criterion.benchmark_group("stage/fans");
+    throughput(&mut group, whole.len() as u64, 8 * size_of::<ProjectedCorner>() + size_of::<CellFans>());
+    let fans = || whole.iter().map(|(cell, placed)| CellFans::new(black_box(placed), &boxes.corners[*cell], 0));
+    group.bench_function("hexahedra", |b| b.iter(|| fans().for_each(|fans| drop(black_box(fans)))));
+    group.finish();
+
+    // Each ray that enters leaves once: the triangles of a cell cover half the area of its projected faces.
+    let area = |polygon: &[Vec2]| {
+        let from = |p: Vec2| (p - polygon[0]).as_dvec2();
+        0.5 * polygon[1..].windows(2).map(|side| from(side[0]).perp_dot(from(side[1]))).sum::<f64>().abs()
+    };
+    for ((cell, _), fans) in whole.iter().zip(fans()) {
+        let at = |vertex: u8| Vec2::from_array(fans.vertices[usize::from(vertex)].position_px);
+        let of_fans: f64 = fans.triangles.iter().map(|triangle| area(&triangle.map(at))).sum();
+        let corner = |corner: &u8| boxes.xy[*cell][usize::from(*corner)];
+        let faces = HEXAHEDRON.faces.iter().map(|face| area(&face.iter().map(corner).collect::<Vec<_>>()));
+        let faces: f64 = faces.sum();
+        assert!((2.0 * of_fans / faces - 1.0).abs() < 1e-4, "cell {cell}: {of_fans} px², its faces {faces}");
+    }
+}
+
 fn bench_sort(criterion: &mut Criterion) {
     const N: u32 = 1 << 20;
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
@@ -206,7 +288,9 @@ fn bench_fans(criterion: &mut Criterion) {
     group.bench_function("write", |b| b.iter(&mut stage));
     let planes = FanInput::new(&seen.view, &seen.mesh.dataset, &seen.vertices, &seen.screen, None, PlanesFor::AllCells);
     let mut as_planes = memory.clone();
-    group.bench_function("planes", |b| b.iter(|| fans::write(&planes, &cells, &mut &mut as_planes[..])));
+    let mut stage = || fans::write(&planes, &cells, &mut &mut as_planes[..]);
+    stage();
+    group.bench_function("planes", |b| b.iter(&mut stage));
     // Their values are told from those of fans by a range that runs down; slivers have fans.
     let is_planes = |fan: &&Fan| fan.s_range[0] > fan.s_range[1];
     let share = as_planes.iter().filter(is_planes).count() as f64 / cells.len() as f64;
@@ -329,6 +413,7 @@ criterion_group!(
     bench_project,
     bench_cull,
     bench_classify,
+    bench_hexahedra,
     bench_sort,
     bench_fans,
     bench_footprints,

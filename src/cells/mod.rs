@@ -7,6 +7,7 @@
 
 mod canonical;
 mod codes;
+mod diagonals;
 mod hexahedron;
 mod pyramid;
 mod split;
@@ -17,6 +18,7 @@ mod wedge;
 
 pub use canonical::canonical_from_point;
 pub use codes::{CellClass, Nodes, classify};
+pub use diagonals::diagonals;
 pub use hexahedron::HEXAHEDRON;
 pub use pyramid::PYRAMID;
 pub use split::split;

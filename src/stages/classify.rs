@@ -3,9 +3,11 @@
 //! In: the four projected vertices of a cell, ascending by index, and its orientation bit.
 //! Out: [`ProjectionClass`] and the roles of the vertices. Front, back or edge-on is the sign of each face's projected area
 //! in that canonical order, so that neighbours decide alike about the face they share. O(1), no branch on coordinates
-//! beyond the four signs.
+//! beyond the four signs. Other kinds of cells: [`polyhedra`].
 //!
 //! Source: CellFast, figure 3 (Shirley and Tuchman 1990).
+
+pub mod polyhedra;
 
 use glam::Vec2;
 

@@ -7,9 +7,11 @@
 //! A fan is the thick vertex and the ring around it (CellFast, figure 3): triangles thick, ring i, ring i + 1, the last one closing
 //! the ring, so that one list of indices serves every class. Classes with fewer triangles repeat the thick vertex in the ring.
 //! A vertex carries (v, q), v the inverse depth and q = s·v (parallel rays: q = s): both are affine on the picture over a
-//! triangle of the fan, so that plain interpolation gives each fragment its exact entry and exit.
+//! triangle of the fan, so that plain interpolation gives each fragment its exact entry and exit. Other kinds of cells:
+//! [`polyhedra`].
 
 mod planes;
+pub mod polyhedra;
 
 use arrayvec::ArrayVec;
 use bytemuck::{Pod, Zeroable};

@@ -1,5 +1,7 @@
 //! What the stages' tests share: random cells, views of them, and rays through them in f64, the slow twin.
 
+pub(super) mod polyhedra;
+
 use glam::{DVec3, Vec3};
 
 use super::{SceneVertex, View};
