@@ -4,7 +4,7 @@
 //! on its whole value interval (`CellFast`, "Culling") or one of its values is NaN. O(1) a cell: two table reads.
 
 use crate::columns::{Association, BlockView, Field};
-use crate::optics::{CullTable, Pieces};
+use crate::optics::{CullTable, Intervals};
 use crate::stages::ScreenVertex;
 
 /// Smallest and largest stored value of a cell; NaN in either where a value is NaN.
@@ -34,7 +34,7 @@ pub fn cull(
     block: &BlockView,
     field: &Field,
     screen: &[ScreenVertex],
-    (pieces, table): (&Pieces, &CullTable),
+    (intervals, table): (&Intervals, &CullTable),
     cell_from_visible: &mut Vec<u32>,
 ) -> Culled {
     let mut culled = Culled::default();
@@ -42,7 +42,7 @@ pub fn cull(
         let (low, high) = value_interval(cell_scalars(block, field, screen, cell));
         if low.is_nan() {
             culled.invalid += 1;
-        } else if table.is_transparent(pieces, low, high) {
+        } else if table.is_transparent(intervals, low, high) {
             culled.transparent += 1;
         } else {
             cell_from_visible.push(cell);
