@@ -204,8 +204,7 @@ fn bench_fans(criterion: &mut Criterion) {
     let mut stage = || fans::write(&input, &cells, &mut &mut memory[..]);
     stage();
     group.bench_function("write", |b| b.iter(&mut stage));
-    let planes =
-        FanInput::new(&seen.view, &seen.mesh.dataset, &seen.vertices, &seen.screen, None, PlanesFor::AllCells);
+    let planes = FanInput::new(&seen.view, &seen.mesh.dataset, &seen.vertices, &seen.screen, None, PlanesFor::AllCells);
     let mut as_planes = memory.clone();
     group.bench_function("planes", |b| b.iter(|| fans::write(&planes, &cells, &mut &mut as_planes[..])));
     // Their values are told from those of fans by a range that runs down; slivers have fans.

@@ -27,11 +27,11 @@ use crate::optics::{
     Output, Textured,
 };
 use crate::profile::{CellStats, Exactness, OrderStats, Profile};
+use crate::stages::View;
 use crate::stages::classify::ProjectionClass;
 use crate::stages::sort::check::check_order;
 use crate::stages::sort::radix::{Pair, pair, sort};
 use crate::stages::sort::{KeyMaker, SortKey, SortMethod};
-use crate::stages::View;
 
 /// How the CPU composites.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

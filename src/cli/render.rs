@@ -22,7 +22,9 @@ use cellfan::image::{Encoding, Format};
 use cellfan::io::container;
 use cellfan::optics::Output;
 use cellfan::profile::{Profile, Stats, peak_rss_bytes};
-use cellfan::{CpuMethod, Dataset, Error, Image, Model, RenderOptions, Rendered, Scene, SortMethod, TransferFunction, io};
+use cellfan::{
+    CpuMethod, Dataset, Error, Image, Model, RenderOptions, Rendered, Scene, SortMethod, TransferFunction, io,
+};
 
 pub(super) use arguments::Arguments;
 use backend::Backend;

@@ -29,9 +29,9 @@ pub(super) fn encode_bands(image: &BandImage, path: &Path, writer: impl Write + 
     memory::check(what, (image.values.len() as u64).checked_mul(8))?;
     let refuse = |problem: String| Error::Encode { path: path.to_owned(), problem };
     let channel = |(k, name): (usize, &String)| {
-        let text = Text::new_or_none(name)
-            .filter(|_| !name.is_empty() && name.len() < 256)
-            .ok_or_else(|| refuse(format!("an EXR cannot have a channel {name:?}; give the band a plain, short name")))?;
+        let text = Text::new_or_none(name).filter(|_| !name.is_empty() && name.len() < 256).ok_or_else(|| {
+            refuse(format!("an EXR cannot have a channel {name:?}; give the band a plain, short name"))
+        })?;
         let values = image.values.iter().skip(k).step_by(bands).copied().collect();
         Ok(AnyChannel::new(text, FlatSamples::F32(values)))
     };

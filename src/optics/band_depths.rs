@@ -1,6 +1,6 @@
-//! Absorption in bands with functions of their own, four a pass: ∫ κ_k dt of each.
+//! Absorption in bands with functions of their own, four a pass: ∫ κ dt of each.
 //!
-//! Contribution: the optical depth of each band of the pass. κ_k is linear along a segment, so its mean is that of its ends.
+//! Contribution: the optical depth of each band of the pass. κ is linear along a segment, so its mean is that of its ends.
 
 use super::band_pieces::BandPiece;
 use super::compositing::{CellSpan, Optics, Piecewise, piecewise};

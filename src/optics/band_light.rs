@@ -1,4 +1,4 @@
-//! Emission and absorption with an extinction of its own in each band, two bands a pass: ∫ c_k κ_k e^(−∫κ_k) dt.
+//! Emission and absorption with an extinction of its own in each band, two bands a pass: `∫ c_k κ_k e^(−∫κ_k) dt`.
 //!
 //! Contribution: light of both bands, transmittance of both; `over` is Porter and Duff's, channel by channel. A ray goes on as
 //! long as any band shines through.

@@ -15,7 +15,8 @@ pub const BANDS_PER_PASS: usize = 4;
 /// Bands of one pass with emission: light and transmittance of each are two numbers.
 pub const GLOWING_BANDS_PER_PASS: usize = 2;
 
-/// Extinctions and colours of a pass's bands, linear in s as those of a [`Piece`](super::Piece); what a pass has no band for is 0.
+/// Extinctions and colours of a pass's bands, linear in s as those of a [`Piece`](super::Piece). A pass that has bands to spare holds the
+/// last one again; with emission two of four are used.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BandPiece {
     /// Where the piece begins (the first: where it ends).
@@ -46,7 +47,7 @@ impl BandPiece {
 
 impl LinearPiece for BandPiece {
     fn is_transparent(&self) -> bool {
-        self.extinction == [0.0; 4] && self.extinction_slope == [0.0; 4]
+        self.extinction.iter().chain(&self.extinction_slope).all(|&number| number == 0.0)
     }
 
     #[inline(always)]
@@ -119,8 +120,9 @@ fn of_columns(points: &[BandPoint], bands: usize, offset: f64, per_pass: usize) 
     let pass = |first: usize| {
         let pieces = stretches.iter().map(|stretch| {
             let column = |c: usize, of: &[f64]| {
-                let band = first + c;
-                let is_mine = c < per_pass && band < bands;
+                // The last band again: it ends rays where its twin does.
+                let band = (first + c).min(bands - 1);
+                let is_mine = c < per_pass;
                 [band, bands + band].map(|column| of.get(column).copied().filter(|_| is_mine).unwrap_or(0.0))
             };
             let ends = [stretch.start, stretch.end];

@@ -45,7 +45,8 @@ impl Renderer {
         if let Some(gpu) = self.gpu()
             && !gpu.blends_by_channel()
         {
-            let problem = format!("{} cannot dim each channel on its own, as --bands asks; draw on the CPU", gpu.adapter());
+            let problem =
+                format!("{} cannot dim each channel on its own, as --bands asks; draw on the CPU", gpu.adapter());
             return Err(Error::Option { option: "--backend gpu", problem });
         }
         Ok(())
@@ -93,10 +94,11 @@ impl Renderer {
         profile: &mut Profile,
     ) -> Result<()> {
         let of_bands = gathered.bytes;
-        let memory_bytes = frame.memory_bytes.map(|bytes| bytes.saturating_sub(of_bands));
+        let budget = frame.memory_bytes;
+        let memory_bytes = budget.map(|bytes| bytes.saturating_sub(of_bands));
         for (pass, first) in passes.iter().zip((0..*bands).step_by(BANDS_PER_PASS)) {
             let frame = Frame { bands: Some(pass), cull_table, memory_bytes, ..*frame };
-            let (image, counts) = self.draw(&frame, profile).map_err(|error| with_bands(error, of_bands))?;
+            let (image, counts) = self.draw(&frame, profile).map_err(|error| with_bands(error, budget, of_bands))?;
             gathered.add(&image, BANDS_PER_PASS.min(bands - first), counts);
         }
         Ok(())
@@ -111,17 +113,18 @@ impl Renderer {
     ) -> Result<(Image, Counts)> {
         let [width, height] = frame.view.size_px;
         let of_image = 16 * u64::from(width) * u64::from(height);
-        let memory_bytes = frame.memory_bytes.map(|bytes| bytes.saturating_sub(of_image));
+        let budget = frame.memory_bytes;
+        let memory_bytes = budget.map(|bytes| bytes.saturating_sub(of_image));
         let mut whole = Image::filled(width, height, [0.0; 4]);
         let mut counts = Counts::default();
         for (pass, first) in passes.iter().zip((0..CHANNELS).step_by(GLOWING_BANDS_PER_PASS)) {
             let frame = Frame { bands: Some(pass), cull_table, memory_bytes, ..*frame };
-            let (image, of_pass) = self.draw(&frame, profile).map_err(|error| with_bands(error, of_image))?;
+            let (image, of_pass) = self.draw(&frame, profile).map_err(|error| with_bands(error, budget, of_image))?;
             for (pixel, light) in whole.pixels.iter_mut().zip(&image.pixels) {
-                for c in 0..GLOWING_BANDS_PER_PASS.min(CHANNELS - first) {
-                    pixel[first + c] = light[c];
-                    pixel[3] += light[GLOWING_BANDS_PER_PASS + c] / CHANNELS as f32;
-                }
+                let (light, opacity) = light.split_at(GLOWING_BANDS_PER_PASS);
+                let channels = GLOWING_BANDS_PER_PASS.min(CHANNELS - first);
+                pixel[first..first + channels].copy_from_slice(&light[..channels]);
+                pixel[3] += opacity[..channels].iter().sum::<f32>() / CHANNELS as f32;
             }
             counts = busier(counts, of_pass);
         }
@@ -170,12 +173,12 @@ fn busier(a: Counts, b: Counts) -> Counts {
     }
 }
 
-/// A budget that was too small for a pass, in terms of the frame.
-fn with_bands(error: Error, bytes: u64) -> Error {
-    match error {
-        Error::Memory { budget_bytes, needed_bytes, what, advice } => {
-            Error::Memory { budget_bytes: budget_bytes + bytes, needed_bytes: needed_bytes + bytes, what, advice }
+/// A budget that was too small for a pass, in terms of the frame, which takes `bytes` more.
+fn with_bands(error: Error, budget: Option<u64>, bytes: u64) -> Error {
+    match (error, budget) {
+        (Error::Memory { needed_bytes, what, advice, .. }, Some(budget_bytes)) => {
+            Error::Memory { budget_bytes, needed_bytes: needed_bytes + bytes, what, advice }
         }
-        other => other,
+        (other, _) => other,
     }
 }

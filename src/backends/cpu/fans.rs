@@ -84,10 +84,10 @@ impl Rows<'_> {
             self.pixels[pixel] = O::over(front, self.pixels[pixel]);
             return;
         }
-        for c in 0..4 {
-            let (sum, lost) = two_sum(self.pixels[pixel][c], front[c]);
-            self.pixels[pixel][c] = sum;
-            self.lost[pixel][c] += lost;
+        for ((sum, lost), front) in self.pixels[pixel].iter_mut().zip(&mut self.lost[pixel]).zip(front) {
+            let (rounded, error) = two_sum(*sum, front);
+            *sum = rounded;
+            *lost += error;
         }
     }
 

@@ -54,12 +54,7 @@ impl GpuCompositor {
     ///
     /// # Errors
     /// [`Error::NoDevice`] where the device fails, [`Error::Memory`] where its memory budget is too small for the picture.
-    pub fn draw(
-        &mut self,
-        frame: &Frame,
-        shading: Shading,
-        profile: &mut Profile,
-    ) -> Result<(Image, Counts)> {
+    pub fn draw(&mut self, frame: &Frame, shading: Shading, profile: &mut Profile) -> Result<(Image, Counts)> {
         let counts = self.accumulate(frame, shading, profile)?;
         let (Some(pipelines), Some((targets, readback, _))) = (&self.pipelines, &self.targets) else {
             return Err(self.gpu.failed("has no picture"));
@@ -143,12 +138,7 @@ impl GpuCompositor {
     }
 
     /// Blends all fans of a frame.
-    fn accumulate(
-        &mut self,
-        frame: &Frame,
-        shading: Shading,
-        profile: &mut Profile,
-    ) -> Result<Counts> {
+    fn accumulate(&mut self, frame: &Frame, shading: Shading, profile: &mut Profile) -> Result<Counts> {
         self.gpu.check()?;
         let start = Instant::now();
         let gpu = self.gpu.clone();
