@@ -63,6 +63,8 @@ pub(super) fn of(Shading { model, integral, output, has_bands }: Shading) -> Mod
     };
     let clear = if blend == Blend::Max { [f64::from(-f32::MAX), 0.0, 0.0, 0.0] } else { [0.0; 4] };
     let planes_for = match model {
+        // Optical depths to be measured, not looked at, are sums like light.
+        Model::Absorption if has_bands || output == Output::Depth => PlanesFor::AllCells,
         Model::EmissionAbsorption | Model::Absorption => PlanesFor::NearCells,
         Model::Emission | Model::Mip => PlanesFor::AllCells,
     };
