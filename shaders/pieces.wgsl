@@ -15,21 +15,6 @@ struct Piece {
 
 @group(0) @binding(1) var<storage, read> pieces: array<Piece>;
 
-// The piece that holds s: the last that begins at or before it.
-fn piece_of(s: f32) -> u32 {
-    var low = 0u;
-    var high = frame.piece_count;
-    while high - low > 1u {
-        let middle = (low + high) / 2u;
-        if s >= pieces[middle].begin {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    return low;
-}
-
 fn extinction_at(k: u32, s: f32) -> f32 {
     return max(pieces[k].extinction + (s - pieces[k].start) * pieces[k].extinction_slope, 0.0);
 }

@@ -13,8 +13,9 @@ fn at(position: vec4<f32>) -> vec4<f32> {
     return textureLoad(accumulated, vec2<u32>(position.xy), 0);
 }
 
+// Light with its opacity; optical depths.
 @fragment
-fn emission_absorption(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+fn as_it_is(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     return at(position);
 }
 

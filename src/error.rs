@@ -196,6 +196,13 @@ pub enum Error {
         problem: String,
     },
 
+    /// Wavelength bands that are none.
+    #[error("bands: {problem}")]
+    Bands {
+        /// What is wrong, where, and what was expected.
+        problem: String,
+    },
+
     /// A camera that cannot look at anything.
     #[error("camera: {problem}")]
     Camera {

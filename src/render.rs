@@ -1,33 +1,37 @@
 //! `Renderer`: run the stages in order and feed a backend.
 //!
-//! In: a [`Scene`] (mesh, field, transfer function) and a [`Camera`]. Out: a [`Rendered`] picture with its figures.
+//! In: a [`Scene`] (mesh, field, transfer function, bands) and a [`Camera`]. Out: a [`Rendered`] picture with its figures.
 
+mod bands;
 #[cfg(feature = "gpu")]
 mod gpu;
+mod scene;
+
+pub use scene::Scene;
 
 use std::time::Instant;
 
 use crate::backends::cpu::{FanCompositor, InstructionSet, TileCompositor};
 #[cfg(feature = "gpu")]
 use crate::backends::gpu::GpuCompositor;
-use crate::backends::{Counts, Frame, scene_bytes};
+use crate::backends::{Counts, Frame};
 use crate::camera::Camera;
-use crate::columns::{Dataset, Field};
+use crate::columns::Dataset;
 use crate::error::{Error, Result};
-use crate::image::Image;
+use crate::image::{BandImage, Image};
 use crate::memory;
+#[cfg(feature = "gpu")]
+use crate::optics::Shading;
 use crate::optics::{
-    Absorption, Averaged, CullTable, Emission, EmissionAbsorption, Integral, Mip, Model, Optics, Pieces, Textured,
-    TransferFunction,
+    Absorption, Averaged, BandDepths, BandLight, CullTable, Emission, EmissionAbsorption, Integral, Mip, Model, Optics,
+    Output, Textured,
 };
 use crate::profile::{CellStats, Exactness, OrderStats, Profile};
+use crate::stages::View;
 use crate::stages::classify::ProjectionClass;
-use crate::stages::project::scene_vertices;
 use crate::stages::sort::check::check_order;
-use crate::stages::sort::delaunay::best_key;
 use crate::stages::sort::radix::{Pair, pair, sort};
 use crate::stages::sort::{KeyMaker, SortKey, SortMethod};
-use crate::stages::{SceneVertex, View};
 
 /// How the CPU composites.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -46,6 +50,8 @@ pub struct RenderOptions {
     pub model: Model,
     /// How a segment is integrated.
     pub integral: Integral,
+    /// What an absorption picture holds.
+    pub output: Output,
     /// How cells are put in order.
     pub sort: SortMethod,
     /// A ray ends below this transmittance, which bounds the error; 0 never ends one.
@@ -66,6 +72,7 @@ impl Default for RenderOptions {
         Self {
             model: Model::EmissionAbsorption,
             integral: Integral::Exact,
+            output: Output::Intensity,
             sort: SortMethod::Auto,
             stop_transmittance: 1e-5,
             cpu_method: CpuMethod::Footprints,
@@ -76,51 +83,14 @@ impl Default for RenderOptions {
     }
 }
 
-/// A mesh, the scalar drawn on it, and what the scalar looks like.
-#[derive(Clone, Debug)]
-pub struct Scene {
-    dataset: Dataset,
-    field: Field,
-    vertices: Vec<SceneVertex>,
-    pieces: Pieces,
-    best_key: SortKey,
-}
-
-impl Scene {
-    /// Brings mesh, field and transfer function into the form in which the stages read them.
-    pub fn new(dataset: Dataset, field: Field, transfer: &TransferFunction) -> Self {
-        let vertices = scene_vertices(&dataset, &field);
-        let pieces = transfer.pieces(field.offset);
-        let best_key = best_key(&dataset);
-        Self { dataset, field, vertices, pieces, best_key }
-    }
-
-    /// The mesh.
-    pub fn dataset(&self) -> &Dataset {
-        &self.dataset
-    }
-
-    /// The scalar field.
-    pub fn field(&self) -> &Field {
-        &self.field
-    }
-
-    /// Bytes of memory that the scene takes; columns that are used in place, as those of a mapped file, count nothing.
-    pub fn owned_bytes(&self) -> u64 {
-        scene_bytes(&self.dataset, &self.field, &self.vertices)
-    }
-
-    /// Shows the field with another transfer function.
-    pub fn set_transfer(&mut self, transfer: &TransferFunction) {
-        self.pieces = transfer.pieces(self.field.offset);
-    }
-}
-
 /// A picture and how it came about.
 #[derive(Clone, Debug)]
 pub struct Rendered {
-    /// The picture; see [`Model`] for its channels.
+    /// The picture; see [`Model`] for its channels. Absorption in bands of their own: the first four, the last one again where there
+    /// are fewer.
     pub image: Image,
+    /// All bands, in the absorption model where the scene has bands of their own.
+    pub bands: Option<BandImage>,
     /// What became of the cells.
     pub cells: CellStats,
     /// Triangles rasterised; none with footprints.
@@ -166,9 +136,12 @@ pub struct Renderer {
     fans: FanCompositor,
     #[cfg(feature = "gpu")]
     gpu: Option<GpuCompositor>,
-    /// Pictures of so many pixels were found to fit into memory.
-    checked_pixels: u64,
+    /// Pictures of so many bytes were found to fit into memory.
+    checked_bytes: u64,
 }
+
+/// A picture, all its bands if it has bands of their own, and what was counted.
+type Drawn = (Image, Option<BandImage>, Counts);
 
 /// The picture and its tiles, 16 bytes each, and what 64 chunks count for each tile of 32×32 pixels.
 const BYTES_PER_PIXEL: u64 = 16 + 16 + 1;
@@ -188,7 +161,10 @@ impl Renderer {
     /// memory budget is too small, [`Error::OutOfMemory`] where the picture is too large for the system's, [`Error::Changed`] where a
     /// file that is used in place has changed.
     pub fn render(&mut self, scene: &Scene, camera: &Camera) -> Result<Rendered> {
-        self.run(scene, camera, Self::draw)
+        self.run(scene, camera, |renderer, frame, profile| match &scene.bands {
+            Some(bands) => renderer.draw_bands(scene, bands, frame, profile),
+            None => renderer.draw(frame, profile).map(|(image, counts)| (image, None, counts)),
+        })
     }
 
     /// Checks options and camera, and has the frame drawn.
@@ -196,22 +172,24 @@ impl Renderer {
         &mut self,
         scene: &Scene,
         camera: &Camera,
-        draw: impl FnOnce(&mut Self, &Frame, &mut Profile) -> Result<(Image, Counts)>,
+        draw: impl FnOnce(&mut Self, &Frame, &mut Profile) -> Result<Drawn>,
     ) -> Result<Rendered> {
         self.check_options()?;
+        self.check_bands(scene)?;
         let options = self.options;
         if let Some(backing) = &scene.dataset.backing {
             backing.check()?;
         }
         let start = Instant::now();
         let view = View::new(camera, &scene.dataset)?;
-        self.check_memory(view.size_px)?;
+        self.check_memory(view.size_px, scene.bands_of_picture(options.model))?;
         let cull_table = CullTable::new(&scene.pieces, options.model);
         let frame = Frame {
             dataset: &scene.dataset,
             field: &scene.field,
             vertices: &scene.vertices,
             pieces: &scene.pieces,
+            bands: None,
             cull_table: &cull_table,
             view: &view,
             sort_key: self.sort_key(scene),
@@ -220,13 +198,13 @@ impl Renderer {
             memory_bytes: options.memory_bytes,
         };
         let mut profile = Profile::default();
-        let (image, counts) = draw(self, &frame, &mut profile)?;
+        let (image, bands, counts) = draw(self, &frame, &mut profile)?;
         let frame_ms = start.elapsed().as_secs_f64() * 1e3;
 
         let misordered_pairs = options.check_order.then(|| misordered_pairs(&frame));
         let cells = cell_stats(&scene.dataset, &counts, self.draws_fans());
         let order = self.order_stats(scene, &counts, misordered_pairs);
-        Ok(Rendered { image, cells, triangles: counts.triangles, order, profile, frame_ms })
+        Ok(Rendered { image, bands, cells, triangles: counts.triangles, order, profile, frame_ms })
     }
 
     fn check_options(&self) -> Result<()> {
@@ -239,6 +217,10 @@ impl Renderer {
             let problem =
                 "exact checks every fragment, which fans (and GPUs) do not; use footprints, or power".to_owned();
             return Err(Error::Option { option: "--sort", problem });
+        }
+        if options.output == Output::Depth && options.model != Model::Absorption {
+            let problem = format!("depth is that of the absorption model, not of {}", options.model);
+            return Err(Error::Option { option: "--output", problem });
         }
         if options.memory_bytes.is_some() && (self.draws_fans() || options.check_order) {
             let problem = "fans (and GPUs) and --check-order take all cells at once and keep no budget; leave one out";
@@ -257,12 +239,13 @@ impl Renderer {
     }
 
     /// Pictures larger than any before have to fit into memory.
-    fn check_memory(&mut self, [width, height]: [u32; 2]) -> Result<()> {
+    fn check_memory(&mut self, [width, height]: [u32; 2], bands: usize) -> Result<()> {
         let pixels = u64::from(width) * u64::from(height);
-        if pixels > self.checked_pixels {
-            let what = || format!("drawing a picture of {width}x{height} pixels");
-            memory::check(what, pixels.checked_mul(BYTES_PER_PIXEL))?;
-            self.checked_pixels = pixels;
+        let bytes = pixels.saturating_mul(BYTES_PER_PIXEL + bands as u64 * 4);
+        if bytes > self.checked_bytes {
+            let of = if bands == 0 { String::new() } else { format!(" in {bands} bands") };
+            memory::check(|| format!("drawing a picture of {width}x{height} pixels{of}"), Some(bytes))?;
+            self.checked_bytes = bytes;
         }
         Ok(())
     }
@@ -280,18 +263,22 @@ impl Renderer {
     /// Chooses the optical model; everything below is compiled for it.
     fn draw(&mut self, frame: &Frame, profile: &mut Profile) -> Result<(Image, Counts)> {
         let pieces = frame.pieces;
-        let RenderOptions { model, integral, .. } = self.options;
+        let RenderOptions { model, integral, output, .. } = self.options;
         #[cfg(feature = "gpu")]
         if let Some(gpu) = &mut self.gpu {
-            return gpu.draw(frame, (model, integral), profile);
+            return gpu.draw(frame, Shading { model, integral, output, has_bands: frame.bands.is_some() }, profile);
         }
         match (model, integral) {
             (Model::Mip, _) => self.draw_with(frame, &Mip { pieces }, profile),
-            (Model::Absorption, _) => self.draw_with(frame, &Absorption { pieces }, profile),
+            (Model::Absorption, _) => match frame.bands {
+                Some(pieces) => self.draw_with(frame, &BandDepths { pieces, output }, profile),
+                None => self.draw_with(frame, &Absorption { pieces, output }, profile),
+            },
             (Model::Emission, _) => self.draw_with(frame, &Emission { pieces }, profile),
-            (Model::EmissionAbsorption, Integral::Exact) => {
-                self.draw_with(frame, &EmissionAbsorption { pieces }, profile)
-            }
+            (Model::EmissionAbsorption, Integral::Exact) => match frame.bands {
+                Some(pieces) => self.draw_with(frame, &BandLight { pieces }, profile),
+                None => self.draw_with(frame, &EmissionAbsorption { pieces }, profile),
+            },
             (Model::EmissionAbsorption, Integral::Average) => self.draw_with(frame, &Averaged { pieces }, profile),
             (Model::EmissionAbsorption, Integral::Texture) => {
                 let textured = Textured::new(pieces, frame.dataset.diagonal_world())?;

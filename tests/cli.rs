@@ -1,5 +1,7 @@
 //! The program, run as a user runs it: pictures, figures, messages, exit codes.
 
+#[path = "cli/bands.rs"]
+mod bands;
 mod common;
 #[path = "cli/container.rs"]
 mod container;

@@ -87,7 +87,8 @@ impl DrawOrder {
             .map(|block| {
                 let view = frame.dataset.block(block);
                 let (mut visible, mut projected, mut areas) = (Vec::new(), Vec::new(), Vec::new());
-                let culled = cull::cull(&view, frame.field, screen, (frame.pieces, frame.cull_table), &mut visible);
+                let culled =
+                    cull::cull(&view, frame.field, screen, (frame.intervals(), frame.cull_table), &mut visible);
                 boxes.of_cells(&view, frame.vertices, screen, &visible, &mut projected, &mut areas);
                 let mut key_from_projected = Vec::with_capacity(projected.len());
                 keys.keys(&view, frame.vertices, &projected, &mut key_from_projected);

@@ -9,7 +9,7 @@ mod draw_order;
 pub mod gpu;
 
 use crate::columns::{Association, Dataset, Field};
-use crate::optics::{CullTable, Pieces};
+use crate::optics::{BandPiece, CullTable, Intervals, Pieces};
 use crate::stages::classify::ProjectionClass;
 use crate::stages::sort::SortKey;
 use crate::stages::{SceneVertex, View};
@@ -25,6 +25,8 @@ pub struct Frame<'a> {
     pub vertices: &'a [SceneVertex],
     /// The transfer function over the field's stored values.
     pub pieces: &'a Pieces,
+    /// The bands of this pass over the field's stored values, where they have extinctions of their own.
+    pub bands: Option<&'a Pieces<BandPiece>>,
     /// Which cells cannot show.
     pub cull_table: &'a CullTable,
     /// The camera.
@@ -46,6 +48,11 @@ pub fn scene_bytes(dataset: &Dataset, field: &Field, vertices: &[SceneVertex]) -
 }
 
 impl<'a> Frame<'a> {
+    /// The intervals of stored values within which everything is linear.
+    pub fn intervals(&self) -> &'a Intervals {
+        self.bands.map_or(self.pieces, |bands| bands)
+    }
+
     /// The values of cell data; `None` for point data, which the vertices carry.
     pub fn cell_values(&self) -> Option<&'a [f32]> {
         (self.field.association == Association::Cell).then_some(&self.field.values[..])

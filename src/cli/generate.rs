@@ -21,7 +21,7 @@ pub(super) struct Arguments {
     #[arg(value_parser = named::<Kind>(Kind::ALL.map(|kind| (kind.name(), kind.description()))))]
     kind: Kind,
     /// The file to write: a container (.cells), streamed and of any size, or .vtu.
-    #[arg(short, long, value_name = "OUT")]
+    #[arg(short = 'o', long = "out", value_name = "OUT")]
     output: PathBuf,
     /// Cells wanted; a grid has the fewest boxes that give as many.
     #[arg(long, value_name = "N", default_value_t = Settings::default().cells)]
@@ -58,7 +58,7 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
     let is_container = is_container_name(path);
     if !is_container && !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("vtu")) {
         let problem = format!("\"{}\": meshes are written as .vtu or .cells; end the name in it", path.display());
-        return Err(Error::Option { option: "--output", problem }.into());
+        return Err(Error::Option { option: "--out", problem }.into());
     }
     if !(0.0..=MAX_JITTER).contains(&arguments.jitter) {
         let problem = format!("{} is not between 0 and {MAX_JITTER} spacings", arguments.jitter);

@@ -7,6 +7,7 @@ mod arguments;
 mod array;
 mod automatic;
 mod backend;
+mod bands;
 mod heap;
 mod memory;
 mod pictures;
@@ -17,14 +18,18 @@ mod view;
 use std::path::Path;
 use std::time::Instant;
 
-use cellfan::image::Encoding;
+use cellfan::image::{Encoding, Format};
 use cellfan::io::container;
+use cellfan::optics::Output;
 use cellfan::profile::{Profile, Stats, peak_rss_bytes};
-use cellfan::{CpuMethod, Dataset, Error, Image, Model, RenderOptions, Rendered, Scene, SortMethod, io};
+use cellfan::{
+    CpuMethod, Dataset, Error, Image, Model, RenderOptions, Rendered, Scene, SortMethod, TransferFunction, io,
+};
 
 pub(super) use arguments::Arguments;
 use arguments::Cells;
 use backend::Backend;
+use bands::BandSource;
 use memory::Memory;
 use pictures::Pictures;
 use summary::Summary;
@@ -36,13 +41,15 @@ use super::{Outcome, stdout};
 
 pub(super) fn run(arguments: &Arguments) -> Outcome {
     let path = one_mesh(arguments)?;
-    let options = options(arguments)?;
+    let output_path = arguments.output_path(path);
+    let options = options(arguments, &output_path)?;
     let mut backend = Backend::choose(arguments)?;
     let encoding = encoding(arguments);
-    let mut pictures = Pictures::create(arguments.output_path(path), encoding, arguments.frames)?;
+    let mut pictures = Pictures::create(output_path, encoding, arguments.frames)?;
     let stats_path = arguments.stats.as_deref().filter(|path| *path != Path::new("-"));
     stats_path.map(io::check_target).transpose()?;
     let transfer = TransferSource::load(arguments)?;
+    let bands = BandSource::load(arguments)?;
     let view = ViewSource::load(arguments)?;
 
     if arguments.memory.is_some() {
@@ -52,13 +59,25 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
     let is_whole = draws_whole(arguments, &backend)?;
     let mut dataset = read(path, !arguments.no_mmap, is_whole, &mut before)?;
     let start = Instant::now();
-    let field = array::choose(&dataset, arguments.array.as_deref()).map_err(|error| error.in_file(path))?;
-    let (transfer, transfer_note) = transfer.make(&dataset, &field, options.model)?;
+    let (bands, band_note) = bands.make(&dataset).map_err(|error| error.in_file(path))?;
+    let field = match bands.first_array() {
+        Some(field) => field.clone(),
+        None => array::choose(&dataset, arguments.array.as_deref()).map_err(|error| error.in_file(path))?,
+    };
+    let (transfer, note) = match band_note {
+        // Bands that do not glow have no use for colours.
+        Some(note) if options.model == Model::Absorption => (TransferFunction::constant([1.0; 3], 0.0)?, note),
+        note => {
+            let (transfer, transfer_note) = transfer.make(&dataset, &field, options.model)?;
+            let bands = note.map(|bands| format!(", {bands}")).unwrap_or_default();
+            (transfer, format!("{transfer_note}{bands}"))
+        }
+    };
     let (camera, view_note) = view.make(&dataset)?;
-    let summary = Summary::new(path, &dataset, &field, &view_note, &transfer_note);
+    let summary = Summary::new(path, &dataset, &field, &view_note, &note);
     // The arrays are not needed any more.
     dataset.arrays = Vec::new();
-    let scene = Scene::new(dataset, field, &transfer);
+    let scene = bands.give_to(Scene::new(dataset, field, &transfer)).map_err(|error| error.in_file(path))?;
     before.add("field", start.elapsed(), 0);
     before.sample_memory();
 
@@ -79,10 +98,10 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
             let rendered =
                 backend.render(&mut renderer, options, &scene, &camera).map_err(|error| memory.in_process(error))?;
             let start = Instant::now();
-            pictures.push(&rendered.image)?;
+            pictures.push(&rendered)?;
             after.add("write", start.elapsed(), 0);
             after.sample_memory();
-            frames.add(rendered, options.model);
+            frames.add(rendered, options);
             progress.step();
         }
     }
@@ -133,12 +152,13 @@ struct Frames {
 }
 
 impl Frames {
-    fn add(&mut self, rendered: Rendered, model: Model) {
-        let miss = if model == Model::Absorption { [1.0; 4] } else { [0.0; 4] };
-        self.are_blank = rendered.image.covered(miss) == 0 && (self.are_blank || self.last.is_none());
+    fn add(&mut self, rendered: Rendered, options: RenderOptions) {
+        let miss = if options.model == Model::Absorption { options.output.miss() } else { 0.0 };
+        let covered = rendered.bands.as_ref().map_or(rendered.image.covered([miss; 4]), |bands| bands.covered(miss));
+        self.are_blank = covered == 0 && (self.are_blank || self.last.is_none());
         self.profiles.push(rendered.profile.clone());
         self.times_ms.push(rendered.frame_ms);
-        self.last = Some(Rendered { image: Image::filled(0, 0, [0.0; 4]), ..rendered });
+        self.last = Some(Rendered { image: Image::filled(0, 0, [0.0; 4]), bands: None, ..rendered });
     }
 }
 
@@ -192,7 +212,7 @@ fn one_mesh(arguments: &Arguments) -> cellfan::Result<&Path> {
     }
 }
 
-fn options(arguments: &Arguments) -> cellfan::Result<RenderOptions> {
+fn options(arguments: &Arguments, path: &Path) -> cellfan::Result<RenderOptions> {
     // The renderer would refuse it too, but only when the mesh has been read.
     if arguments.sort == SortMethod::Exact && arguments.cpu_method == CpuMethod::Fans {
         let problem = "exact needs --cpu-method footprints; with fans say --sort power".to_owned();
@@ -202,9 +222,14 @@ fn options(arguments: &Arguments) -> cellfan::Result<RenderOptions> {
         let problem = "--cpu-method fans and --check-order take all cells at once and keep no budget".to_owned();
         return Err(Error::Option { option: "--memory", problem });
     }
+    if arguments.output == Output::Depth && Format::from_path(path)? == Format::Png {
+        let problem = "a PNG cannot show optical depths; write .exr or .npy (-o OUT.exr)".to_owned();
+        return Err(Error::Option { option: "--output", problem });
+    }
     Ok(RenderOptions {
         model: arguments.model,
         integral: arguments.integral,
+        output: arguments.output,
         sort: arguments.sort,
         stop_transmittance: arguments.stop,
         cpu_method: arguments.cpu_method,

@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use super::{Encoding, Format, Image, check_output, npy};
+use super::{Encoding, Format, Picture, check_output, npy};
 use crate::atomic::AtomicFile;
 use crate::{Error, Result};
 
@@ -24,7 +24,7 @@ pub fn frame_path(path: impl AsRef<Path>, frame: u32) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// Writes frames as they come: out.0000.png, out.0001.png …, or one .npy of shape `(n, height, width, 4)`.
+/// Writes frames as they come: out.0000.png, out.0001.png …, or one .npy of shape `(n, height, width, channels)`.
 ///
 /// A numbered file is there as soon as it is pushed; a stack appears with [`finish`](Self::finish), and not at all
 /// without it.
@@ -46,8 +46,8 @@ pub struct FrameWriter {
     encoding: Encoding,
     frames: u32,
     pushed: u32,
-    /// Width and height of the first frame.
-    size: Option<(u32, u32)>,
+    /// Height, width and channels of the first frame.
+    shape: Option<[u32; 3]>,
     stack: Option<AtomicFile>,
 }
 
@@ -62,7 +62,7 @@ impl FrameWriter {
             Format::Npy => Some(AtomicFile::create(path)?),
             Format::Png | Format::Exr => None,
         };
-        Ok(Self { path: path.to_owned(), encoding, frames, pushed: 0, size: None, stack })
+        Ok(Self { path: path.to_owned(), encoding, frames, pushed: 0, shape: None, stack })
     }
 
     /// Writes the next frame.
@@ -70,25 +70,27 @@ impl FrameWriter {
     /// # Errors
     /// As [`Image::save`]; [`Error::Encode`] where there are more frames than were announced or where a frame of a
     /// stack has another size than the first.
-    pub fn push(&mut self, image: &Image) -> Result<()> {
+    pub fn push(&mut self, image: &impl Picture) -> Result<()> {
         if self.pushed == self.frames {
             return Err(self.error(format!("there are more than the {} frames announced", self.frames)));
         }
         if let Some(stack) = &mut self.stack {
             image.check(&self.path)?;
-            let size = *self.size.get_or_insert((image.width, image.height));
-            if size != (image.width, image.height) {
-                let (a, b) = size;
-                let problem = format!("frame {} is {}x{}, the others {a}x{b}", self.pushed, image.width, image.height);
+            let [height, width, channels] = image.shape();
+            let first = *self.shape.get_or_insert([height, width, channels]);
+            if first != [height, width, channels] {
+                let [b, a, c] = first;
+                let more = if c == channels { String::new() } else { format!(" with {channels} channels, not {c}") };
+                let problem = format!("frame {} is {width}x{height}{more}, the others {a}x{b}", self.pushed);
                 return Err(self.error(problem));
             }
             if self.pushed == 0 {
-                let shape = [self.frames, image.height, image.width, 4].map(u64::from);
+                let shape = [self.frames, height, width, channels].map(u64::from);
                 npy::write_header(&mut stack.writer, &shape, &self.path)?;
             }
             npy::write_pixels(&mut stack.writer, image, &self.path)?;
         } else {
-            image.save(frame_path(&self.path, self.pushed), &self.encoding)?;
+            image.save(&frame_path(&self.path, self.pushed), &self.encoding)?;
         }
         self.pushed += 1;
         Ok(())

@@ -1,9 +1,10 @@
-//! [`Image`]: linear RGBA in f32, row 0 on top; files of it, and the difference of two.
+//! [`Image`]: linear RGBA in f32, row 0 on top; files of it, and the difference of two. [`BandImage`]: any number of bands.
 //!
 //! In: pixels from a backend. Out: .png (to look at), .exr and .npy (the linear values, to the bit), by the extension.
 //! Several frames: [`FrameWriter`]. Files appear whole or not at all.
 //! To add a format: a file with `encode(image, …, writer)`, its extension in [`Format`], its line in [`Image::save`].
 
+mod bands;
 mod difference;
 mod exr;
 mod format;
@@ -15,6 +16,7 @@ mod tests;
 
 use std::path::Path;
 
+pub use bands::BandImage;
 pub use difference::ImageDifference;
 pub use format::{Encoding, Format, check_output};
 pub use frames::{FrameWriter, frame_path};
@@ -105,6 +107,45 @@ impl Image {
             return Ok(());
         };
         Err(Error::Encode { path: path.to_owned(), problem })
+    }
+}
+
+/// A picture that can be written as a file, alone or as one of several frames.
+pub trait Picture {
+    /// Height, width, and channels of a pixel.
+    fn shape(&self) -> [u32; 3];
+
+    /// All values, row by row, pixel by pixel, the channels of a pixel together.
+    fn values(&self) -> &[f32];
+
+    /// Whether there are as many values as the shape says.
+    ///
+    /// # Errors
+    /// [`Error::Encode`], for the file `path`, where there are not, or none at all.
+    fn check(&self, path: &Path) -> Result<()>;
+
+    /// Writes the picture in the format of the path's extension.
+    ///
+    /// # Errors
+    /// As [`Image::save`] and [`BandImage::save`].
+    fn save(&self, path: &Path, encoding: &Encoding) -> Result<()>;
+}
+
+impl Picture for Image {
+    fn shape(&self) -> [u32; 3] {
+        [self.height, self.width, 4]
+    }
+
+    fn values(&self) -> &[f32] {
+        self.pixels.as_flattened()
+    }
+
+    fn check(&self, path: &Path) -> Result<()> {
+        Self::check(self, path)
+    }
+
+    fn save(&self, path: &Path, encoding: &Encoding) -> Result<()> {
+        Self::save(self, path, encoding)
     }
 }
 

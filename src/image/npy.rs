@@ -1,17 +1,18 @@
-//! NPY: `float32` in the machine's byte order, C order, shape `(height, width, 4)` or `(n, height, width, 4)`.
+//! NPY: `float32` in the machine's byte order, C order, shape `(height, width, channels)` or `(n, height, width, channels)`; RGBA
+//! has four channels.
 
 use std::io::Write;
 use std::path::Path;
 
 use npyz::{WriteOptions, WriterBuilder};
 
-use super::Image;
+use super::Picture;
 use crate::Result;
 use crate::atomic::io_at;
 
 /// Writes `image` as NPY.
-pub(super) fn encode(image: &Image, path: &Path, mut writer: impl Write) -> Result<()> {
-    write_header(&mut writer, &[u64::from(image.height), u64::from(image.width), 4], path)?;
+pub(super) fn encode(image: &impl Picture, path: &Path, mut writer: impl Write) -> Result<()> {
+    write_header(&mut writer, &image.shape().map(u64::from), path)?;
     write_pixels(&mut writer, image, path)
 }
 
@@ -22,6 +23,6 @@ pub(super) fn write_header(writer: impl Write, shape: &[u64], path: &Path) -> Re
 }
 
 /// Writes the values of one picture.
-pub(super) fn write_pixels(mut writer: impl Write, image: &Image, path: &Path) -> Result<()> {
-    writer.write_all(bytemuck::cast_slice(&image.pixels)).map_err(io_at(path))
+pub(super) fn write_pixels(mut writer: impl Write, image: &impl Picture, path: &Path) -> Result<()> {
+    writer.write_all(bytemuck::cast_slice(image.values())).map_err(io_at(path))
 }

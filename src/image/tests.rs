@@ -59,6 +59,59 @@ fn npy_keeps_every_bit() {
     assert_eq!(bits(values), bits(picture().pixels.into_flattened()));
 }
 
+/// Five bands, whose names do not stand in the order of the alphabet.
+fn bands() -> BandImage {
+    let names = ["8keV", "1keV", "hard X-ray", "b", "a"].map(String::from).to_vec();
+    let values = picture().pixels.into_flattened().into_iter().chain((0..15_u8).map(f32::from)).collect();
+    BandImage { width: 5, height: 3, names, values }
+}
+
+#[test]
+fn bands_keep_every_bit_and_their_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let bands = bands();
+    let path = folder.path().join("a.npy");
+    bands.save(&path).unwrap();
+    let (shape, values) = read_npy(&path);
+    assert_eq!(shape, [3, 5, 5]);
+    assert_eq!(bits(values), bits(bands.values.iter().copied()));
+
+    let path = folder.path().join("a.exr");
+    bands.save(&path).unwrap();
+    let back = ::exr::prelude::read_all_flat_layers_from_file(&path).unwrap();
+    let [layer] = &back.layer_data[..] else { panic!("one layer") };
+    assert_eq!((layer.size.width(), layer.size.height()), (5, 3));
+    let channels = &layer.channel_data.list;
+    assert_eq!(channels.len(), 5);
+    for (k, name) in bands.names.iter().enumerate() {
+        let channel = channels.iter().find(|channel| channel.name.eq(name.as_str())).unwrap();
+        let of_band = bands.values.iter().skip(k).step_by(5).copied();
+        assert_eq!(bits(channel.sample_data.values_as_f32()), bits(of_band), "{name}");
+    }
+}
+
+#[test]
+fn bands_that_a_file_cannot_hold_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let message = |image: &BandImage, name: &str| image.save(folder.path().join(name)).unwrap_err().to_string();
+    assert!(message(&bands(), "a.png").ends_with("a PNG holds no bands; end the name in .exr or .npy"));
+    let mut other = bands();
+    other.names[2] = "ключ".to_owned();
+    assert!(message(&other, "a.exr").contains("cannot have a channel \"ключ\""));
+    other.names[2] = "x".repeat(300);
+    assert!(message(&other, "a.exr").contains("short name"));
+    other.names.pop();
+    assert!(message(&other, "a.npy").ends_with("it has 75 values where 5x3 pixels of 4 bands are needed"));
+    let none = BandImage { names: vec![], values: vec![], ..bands() };
+    assert!(message(&none, "a.exr").ends_with("5x3 pixels of 0 bands is no size of a picture"));
+    assert_eq!(names_in(folder.path()), [""; 0]);
+
+    let mut frames = FrameWriter::create(folder.path().join("out.npy"), Encoding::default(), 2).unwrap();
+    frames.push(&bands()).unwrap();
+    let error = frames.push(&picture()).unwrap_err().to_string();
+    assert!(error.ends_with("frame 1 is 5x3 with 4 channels, not 5, the others 5x3"), "{error}");
+}
+
 #[test]
 fn png_over_a_background_is_opaque() {
     let folder = tempfile::tempdir().unwrap();

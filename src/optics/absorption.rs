@@ -1,10 +1,12 @@
-//! Absorption: what is left of light that shines through, in four bands: `e^(−∫κ_k dt)`, `κ_k = κ·(r, g, b, 1)_k`.
+//! Absorption: what is left of light that shines through, in four bands: `e^(−∫κ_k dt)`, `κ_k = κ·(r, g, b, 1)_k`. Bands with
+//! functions of their own: [`BandDepths`](super::BandDepths).
 //!
 //! Contribution: the optical depth of each band, summed in any order and exponentiated last.
 
 use super::compositing::{CellSpan, Optics, Piecewise, piecewise};
 use super::emission::sums;
 use super::lanes::{Contribution, Segments};
+use super::model::Output;
 use super::pieces::{Piece, Pieces};
 
 /// The exact optical depth: κ and the band weights are linear on a piece.
@@ -12,10 +14,13 @@ use super::pieces::{Piece, Pieces};
 pub struct Absorption<'a> {
     /// The transfer function.
     pub pieces: &'a Pieces,
+    /// What pixels hold.
+    pub output: Output,
 }
 
 impl Optics for Absorption<'_> {
     const IS_ORDERED: bool = false;
+    const IS_SUM: bool = true;
     const CLEAR: [f32; 4] = [0.0; 4];
 
     #[inline(always)]
@@ -34,11 +39,13 @@ impl Optics for Absorption<'_> {
     }
 
     fn pixel(&self, depths: [f32; 4]) -> [f32; 4] {
-        depths.map(|depth| (-depth).exp())
+        self.output.of_depths(depths)
     }
 }
 
 impl Piecewise for Absorption<'_> {
+    type Piece = Piece;
+
     #[inline(always)]
     fn of_piece(piece: &Piece, _: f32, segments: &[Segments], out: &mut [Contribution]) {
         sums(piece, segments, out);

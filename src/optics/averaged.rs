@@ -7,7 +7,7 @@
 use super::compositing::{CellSpan, Optics, at};
 use super::integral::{SegmentWeights, segment_weights_average};
 use super::lanes::{Contribution, LANES, Segments};
-use super::pieces::Pieces;
+use super::pieces::{LinearPiece, Pieces};
 use super::texture::{OpacityTexture, TexelFormat};
 use super::{emission_absorption::EmissionAbsorption, lanes::max};
 use crate::error::Result;

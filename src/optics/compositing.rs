@@ -3,13 +3,17 @@
 //! `over` is associative and [`Optics::CLEAR`] is its identity, so a ray may be composited from the front, from the back, or
 //! in parts. An order-free model's `over` commutes.
 
-use super::lanes::{Contribution, LANES, Lanes, Mask, Segments, is_any, mask, max, min, select};
-use super::pieces::{Piece, Pieces};
+use super::intervals::Intervals;
+use super::lanes::{Contribution, LANES, Lanes, Mask, Segments, is_any, mask, max, min, select, two_sum};
+use super::pieces::{LinearPiece, Piece, Pieces};
 
 /// One optical model, for one transfer function.
 pub trait Optics: Sync {
     /// Whether the order of a ray's segments matters.
     const IS_ORDERED: bool;
+
+    /// Whether contributions only add up: a compositor then keeps what f32 would lose of the sum.
+    const IS_SUM: bool = false;
 
     /// The contribution of nothing.
     const CLEAR: [f32; 4];
@@ -41,21 +45,24 @@ pub struct CellSpan {
 impl CellSpan {
     /// For values from `s_min` to `s_max`.
     #[inline]
-    pub fn new(pieces: &Pieces, s_min: f32, s_max: f32) -> Self {
-        Self { first: pieces.piece_of(s_min), last: pieces.piece_of(s_max), s_min, s_max }
+    pub fn new(intervals: &Intervals, s_min: f32, s_max: f32) -> Self {
+        Self { first: intervals.piece_of(s_min), last: intervals.piece_of(s_max), s_min, s_max }
     }
 }
 
 /// A model whose integral is known where extinction and colour are linear; without extinction nothing shows.
 pub(super) trait Piecewise: Optics {
+    /// What is linear.
+    type Piece: LinearPiece;
+
     /// What each segment, within one piece, contributes; no segment's mean optical depth is above `depth_max`.
-    fn of_piece(piece: &Piece, depth_max: f32, segments: &[Segments], out: &mut [Contribution]);
+    fn of_piece(piece: &Self::Piece, depth_max: f32, segments: &[Segments], out: &mut [Contribution]);
 }
 
 /// Cuts segments where they pass from piece to piece and composites the parts.
 #[inline(always)]
 pub(super) fn piecewise<O: Piecewise>(
-    pieces: &Pieces,
+    pieces: &Pieces<O::Piece>,
     span: CellSpan,
     segments: &[Segments],
     out: &mut [Contribution],
@@ -73,6 +80,7 @@ pub(super) fn piecewise<O: Piecewise>(
     }
     for (&segments, out) in segments.iter().zip(out) {
         let mut sum = O::CLEAR.map(|clear| [clear; LANES]);
+        let mut lost = [[0.0; LANES]; 4];
         let ramp = Ramp::new(&segments);
         for k in span.first..=span.last {
             if pieces.piece(k).is_transparent() {
@@ -85,6 +93,16 @@ pub(super) fn piecewise<O: Piecewise>(
             let mut added = [[[0.0; LANES]; 4]];
             O::of_piece(pieces.piece(k), depth_max(k), &[part], &mut added);
             let [added] = added;
+            if O::IS_SUM {
+                for c in 0..4 {
+                    for i in 0..LANES {
+                        let (rounded, error) = two_sum(sum[c][i], added[c][i]);
+                        sum[c][i] = rounded;
+                        lost[c][i] += error;
+                    }
+                }
+                continue;
+            }
             for i in 0..LANES {
                 let so_far = [sum[0][i], sum[1][i], sum[2][i], sum[3][i]];
                 let added = [added[0][i], added[1][i], added[2][i], added[3][i]];
@@ -95,7 +113,11 @@ pub(super) fn piecewise<O: Piecewise>(
                 }
             }
         }
-        *out = sum;
+        for c in 0..4 {
+            for i in 0..LANES {
+                out[c][i] = if O::IS_SUM { sum[c][i] + lost[c][i] } else { sum[c][i] };
+            }
+        }
     }
 }
 

@@ -3,13 +3,14 @@
 //! A running count of opaque pieces: an interval is transparent if no piece from that of its low end to that of its high end
 //! counts. Exact but for an interval that ends on the very knot where extinction starts to rise from 0: it may be kept.
 
+use super::intervals::Intervals;
 use super::model::Model;
-use super::pieces::Pieces;
+use super::pieces::{LinearPiece, Pieces};
 
 /// Tells which value intervals show nothing; built once per transfer function, model and field offset.
 ///
 /// Absorption by κ · (r, g, b, 1) is transparent where κ is 0, so three models share one table. Maximum intensity shows a cell
-/// whatever its extinction: there nothing is transparent.
+/// whatever its extinction: there nothing is transparent. Bands of their own are transparent where all of them are 0.
 ///
 /// ```
 /// # use cellfan::optics::{cull_table::CullTable, model::Model, transfer::{ControlPoint, TransferFunction}};
@@ -30,19 +31,29 @@ pub struct CullTable {
 impl CullTable {
     /// The table for these pieces.
     pub fn new(pieces: &Pieces, model: Model) -> Self {
-        let mut opaque_before_piece = vec![0];
-        let mut opaque = 0;
-        for piece in pieces.as_slice() {
-            opaque += u32::from(model.shows_transparent_cells() || !piece.is_transparent());
-            opaque_before_piece.push(opaque);
-        }
-        Self { opaque_before_piece }
+        Self::of(pieces.as_slice().iter().map(|piece| model.shows_transparent_cells() || !piece.is_transparent()))
     }
 
-    /// Whether nothing shows for low <= s <= high, with the pieces that the table was built from; false if an end is NaN or they
+    /// The table for several passes over the same intervals: what shows in one of them shows.
+    pub fn of_passes<P: LinearPiece>(passes: &[Pieces<P>]) -> Self {
+        let pieces = passes.first().map_or(0, |pass| pass.len());
+        Self::of((0..pieces).map(|k| passes.iter().any(|pass| !pass.piece(k).is_transparent())))
+    }
+
+    /// The table for pieces that show something or not.
+    fn of(is_opaque: impl Iterator<Item = bool>) -> Self {
+        let mut opaque = 0;
+        let counts = is_opaque.map(|is_opaque| {
+            opaque += u32::from(is_opaque);
+            opaque
+        });
+        Self { opaque_before_piece: std::iter::once(0).chain(counts).collect() }
+    }
+
+    /// Whether nothing shows for low <= s <= high, with the intervals of the pieces that the table was built from; false if an end is NaN or they
     /// are in the wrong order.
     #[inline]
-    pub fn is_transparent(&self, pieces: &Pieces, low: f32, high: f32) -> bool {
+    pub fn is_transparent(&self, pieces: &Intervals, low: f32, high: f32) -> bool {
         low <= high
             && self.opaque_before_piece[pieces.piece_of(low)] == self.opaque_before_piece[pieces.piece_of(high) + 1]
     }

@@ -14,6 +14,7 @@ pub struct Emission<'a> {
 
 impl Optics for Emission<'_> {
     const IS_ORDERED: bool = false;
+    const IS_SUM: bool = true;
     const CLEAR: [f32; 4] = [0.0; 4];
 
     #[inline(always)]
@@ -37,6 +38,8 @@ impl Optics for Emission<'_> {
 }
 
 impl Piecewise for Emission<'_> {
+    type Piece = Piece;
+
     #[inline(always)]
     fn of_piece(piece: &Piece, _: f32, segments: &[Segments], out: &mut [Contribution]) {
         sums(piece, segments, out);

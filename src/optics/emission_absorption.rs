@@ -62,6 +62,8 @@ impl Optics for EmissionAbsorption<'_> {
 }
 
 impl Piecewise for EmissionAbsorption<'_> {
+    type Piece = Piece;
+
     #[inline(always)]
     fn of_piece(piece: &Piece, depth_max: f32, segments: &[Segments], out: &mut [Contribution]) {
         if depth_max <= VERY_THIN_LIMIT {

@@ -41,6 +41,19 @@ pub fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
+/// `a + b` rounded, and what rounding took from it: their sum is exact (Knuth 1969, `TwoSum`).
+///
+/// ```
+/// # use cellfan::optics::lanes::two_sum;
+/// assert_eq!(two_sum(16_777_216.0, 1.5), (16_777_218.0, -0.5));
+/// ```
+#[inline(always)]
+pub fn two_sum(a: f32, b: f32) -> (f32, f32) {
+    let sum = a + b;
+    let b_in_sum = sum - a;
+    (sum, (a - (sum - b_in_sum)) + (b - b_in_sum))
+}
+
 /// All bits set if `condition` holds.
 #[inline(always)]
 pub fn mask(condition: bool) -> u32 {

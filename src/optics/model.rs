@@ -21,7 +21,8 @@ pub enum Model {
     /// RGB = ∫ c κ e^(-∫κ) dt, A = 1 - e^(-∫κ); premultiplied.
     #[default]
     EmissionAbsorption,
-    /// Transmitted intensity e^(-∫ κ b dt) in four bands of weight b = r, g, b, 1; a miss is 1.
+    /// Transmitted intensity e^(-∫ κ b dt), or its exponent, in four bands of weight b = r, g, b, 1, or of functions of their
+    /// own ([`BandTable`](super::BandTable)); a miss is 1, or 0.
     Absorption,
     /// RGB = ∫ c κ dt, A = 0.
     Emission,
@@ -87,6 +88,65 @@ impl Integral {
     }
 }
 
+/// What a pixel of the absorption model holds.
+///
+/// ```
+/// # use cellfan::optics::model::Output;
+/// assert_eq!("depth".parse::<Output>().unwrap(), Output::Depth);
+/// assert_eq!(Output::Depth.miss(), 0.0);
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Output {
+    /// Transmitted intensity e^-τ; a miss is 1.
+    #[default]
+    Intensity,
+    /// Optical depth τ; a miss is 0.
+    Depth,
+}
+
+impl Output {
+    /// Every output, in the order of the documentation.
+    pub const ALL: [Self; 2] = [Self::Intensity, Self::Depth];
+
+    /// The name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Intensity => "intensity",
+            Self::Depth => "depth",
+        }
+    }
+
+    /// The value of a ray that meets no cell.
+    pub fn miss(self) -> f32 {
+        match self {
+            Self::Intensity => 1.0,
+            Self::Depth => 0.0,
+        }
+    }
+
+    /// The pixel of a ray's optical depths.
+    pub(super) fn of_depths(self, depths: [f32; 4]) -> [f32; 4] {
+        match self {
+            Self::Intensity => depths.map(|depth| (-depth).exp()),
+            Self::Depth => depths,
+        }
+    }
+}
+
+/// What is computed for a ray: a model, and how.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Shading {
+    /// The optical model.
+    pub model: Model,
+    /// How a segment is integrated.
+    pub integral: Integral,
+    /// What absorption puts into a pixel.
+    pub output: Output,
+    /// Whether extinction is that of bands of their own.
+    pub has_bands: bool,
+}
+
 impl fmt::Display for Model {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(self.name())
@@ -94,6 +154,12 @@ impl fmt::Display for Model {
 }
 
 impl fmt::Display for Integral {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl fmt::Display for Output {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(self.name())
     }
@@ -116,6 +182,14 @@ impl FromStr for Integral {
     }
 }
 
+impl FromStr for Output {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self> {
+        Self::ALL.into_iter().find(|output| output.name() == name).ok_or_else(|| unknown("--output", name, &Self::ALL))
+    }
+}
+
 fn unknown(option: &'static str, name: &str, all: &[impl ToString]) -> Error {
     let names: Vec<String> = all.iter().map(ToString::to_string).collect();
     Error::Option { option, problem: format!("there is no {name:?}; choose one of: {}", names.join(", ")) }
@@ -134,6 +208,10 @@ mod tests {
         for integral in Integral::ALL {
             assert_eq!(integral.name().parse::<Integral>().unwrap(), integral);
             assert_eq!(serde_json::to_string(&integral).unwrap(), format!("\"{integral}\""));
+        }
+        for output in Output::ALL {
+            assert_eq!(output.name().parse::<Output>().unwrap(), output);
+            assert_eq!(serde_json::to_string(&output).unwrap(), format!("\"{output}\""));
         }
     }
 

@@ -1,8 +1,10 @@
-//! In: the text of a transfer-function file. Out: a [`TransferFunction`]. To add a format: a file in `read/` and a line in
+//! In: the text of a transfer-function file, or of a table of bands. Out: a [`TransferFunction`], a
+//! [`BandTable`](super::BandTable). To add a format: a file in `read/` and a line in
 //! [`TransferFunction::parse`].
 //!
 //! Colours: our JSON and CSV hold linear RGB, like the pictures; `ParaView`'s colour maps hold sRGB and are converted.
 
+mod bands;
 mod csv;
 mod json;
 mod paraview;

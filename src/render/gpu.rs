@@ -5,6 +5,7 @@ use crate::backends::gpu::{Gpu, GpuCompositor};
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::image::Image;
+use crate::optics::Shading;
 
 impl Renderer {
     /// A renderer that draws on `gpu`, in at most `memory_bytes` of its memory
@@ -37,13 +38,18 @@ impl Renderer {
     /// Those of [`Renderer::render`]; [`Error::Option`] where the renderer is on no GPU or the texture does not fit.
     pub fn render_to_texture(&mut self, scene: &Scene, camera: &Camera, texture: &wgpu::Texture) -> Result<Rendered> {
         self.run(scene, camera, |renderer, frame, profile| {
-            let how = (renderer.options.model, renderer.options.integral);
+            let RenderOptions { model, integral, output, .. } = renderer.options;
+            let shading = Shading { model, integral, output, has_bands: false };
+            if scene.bands.is_some() {
+                let problem = "a texture holds no bands of their own; take them from Renderer::render".to_owned();
+                return Err(Error::Option { option: "texture", problem });
+            }
             let Some(gpu) = &mut renderer.gpu else {
                 let problem = "this renderer draws on the processor; make it with Renderer::on_gpu".to_owned();
                 return Err(Error::Option { option: "texture", problem });
             };
-            let counts = gpu.draw_to_texture(frame, how, texture, profile)?;
-            Ok((Image::filled(0, 0, [0.0; 4]), counts))
+            let counts = gpu.draw_to_texture(frame, shading, texture, profile)?;
+            Ok((Image::filled(0, 0, [0.0; 4]), None, counts))
         })
     }
 }

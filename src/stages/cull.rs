@@ -4,7 +4,7 @@
 //! on its whole value interval (`CellFast`, "Culling") or one of its values is NaN. O(1) a cell: two table reads.
 
 use crate::columns::{Association, BlockCells, BlockView, Field};
-use crate::optics::{CullTable, Pieces};
+use crate::optics::{CullTable, Intervals};
 use crate::stages::ScreenVertex;
 
 /// Smallest and largest stored value of a cell; NaN in either where a value is NaN.
@@ -31,7 +31,7 @@ pub fn cull(
     block: &BlockView,
     field: &Field,
     screen: &[ScreenVertex],
-    optics: (&Pieces, &CullTable),
+    optics: (&Intervals, &CullTable),
     cell_from_visible: &mut Vec<u32>,
 ) -> Culled {
     let of_vertex = |v: u32| screen[v as usize].scalar;
@@ -56,7 +56,7 @@ pub fn cull(
 fn sift(
     cells: impl Iterator<Item = usize>,
     interval: impl Fn(usize) -> (f32, f32),
-    (pieces, table): (&Pieces, &CullTable),
+    (intervals, table): (&Intervals, &CullTable),
     cell_from_visible: &mut Vec<u32>,
 ) -> Culled {
     let mut culled = Culled::default();
@@ -64,7 +64,7 @@ fn sift(
         let (low, high) = interval(cell);
         if low.is_nan() {
             culled.invalid += 1;
-        } else if table.is_transparent(pieces, low, high) {
+        } else if table.is_transparent(intervals, low, high) {
             culled.transparent += 1;
         } else {
             cell_from_visible.push(cell as u32);

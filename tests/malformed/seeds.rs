@@ -226,6 +226,13 @@ pub(crate) fn transfer_json() -> Seeds {
     ])
 }
 
+pub(crate) fn bands_json() -> Seeds {
+    bytes([
+        r#"{"bands": ["soft", "hard"], "points": [{"value": 0, "extinctions": [0, 1]}, {"value": 1.5, "extinctions": [3, 0.5]}]}"#,
+        r#"{"points": [{"value": -1e3, "extinctions": [1, 2, 3, 4, 5]}]}"#,
+    ])
+}
+
 pub(crate) fn transfer_csv() -> Seeds {
     let many = (0..150)
         .map(|i| format!("{i}\t{}\t0.5\t1\t{}\n", f64::from(i) / 150.0, i * i % 7))

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use cellfan::columns::Dataset;
 use cellfan::io::{self, Mesh};
+use cellfan::optics::BandTable;
 use cellfan::optics::presets::{self, OpacityProfile};
 use cellfan::{Camera, FieldSelection, RenderOptions, Renderer, Scene, TransferFunction};
 
@@ -80,6 +81,8 @@ pub(crate) const TARGETS: &[Target] = &[
     target("plot3d-solution", seeds::plot3d_solution, solution, seeds::PLOT3D_WORDS, GRID),
     target("transfer-json", seeds::transfer_json, |bytes| transfer(bytes, "json"), seeds::JSON_WORDS, TEXT),
     target("transfer-csv", seeds::transfer_csv, |bytes| transfer(bytes, "csv"), seeds::CSV_WORDS, TEXT),
+    target("bands-json", seeds::bands_json, |bytes| bands(bytes, "json"), seeds::JSON_WORDS, TEXT),
+    target("bands-csv", seeds::transfer_csv, |bytes| bands(bytes, "csv"), seeds::CSV_WORDS, TEXT),
     target("paraview", seeds::paraview, |bytes| transfer(bytes, "json"), seeds::JSON_WORDS, MAP),
     target("camera", seeds::camera, camera, seeds::JSON_WORDS, TEXT),
     target("container", seeds::container, container, seeds::JSON_WORDS, CONTAINER),
@@ -144,6 +147,21 @@ fn transfer(bytes: &[u8], extension: &str) -> Result<(), String> {
         let at = transfer.eval(value);
         assert!(at.extinction >= 0.0 && at.extinction.is_finite(), "{at:?}");
         assert!(pieces.piece_of(value as f32) < pieces.len(), "no piece for {value}");
+    }
+    Ok(())
+}
+
+fn bands(bytes: &[u8], extension: &str) -> Result<(), String> {
+    let table = BandTable::parse(&String::from_utf8_lossy(bytes), extension).map_err(|error| error.to_string())?;
+    for pass in table.passes(0.5).passes {
+        for piece in pass.as_slice() {
+            let numbers = piece.extinction.iter().chain(&piece.extinction_slope);
+            assert!(numbers.chain([&piece.start]).all(|number| number.is_finite()), "{piece:?}");
+        }
+    }
+    for value in [f64::MIN, -1.0, 0.0, 0.3, f64::MAX] {
+        let at = table.eval(value);
+        assert!(at.iter().all(|extinction| *extinction >= 0.0 && extinction.is_finite()), "{at:?}");
     }
     Ok(())
 }

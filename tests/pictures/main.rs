@@ -3,6 +3,7 @@
 
 mod accuracy;
 mod analytic;
+mod bands;
 mod budget;
 mod check;
 #[path = "../common/mod.rs"]
@@ -11,6 +12,8 @@ mod determinism;
 mod golden;
 #[cfg(feature = "gpu")]
 mod gpu;
+#[cfg(feature = "gpu")]
+mod gpu_bands;
 #[cfg(feature = "gpu")]
 #[path = "../common/gpus.rs"]
 mod gpus;

@@ -1,6 +1,8 @@
 //! What compositors rely on: contributions combine in any grouping, order-free ones in any order, nothing changes nothing.
 
-use cellfan::optics::{Absorption, Emission, EmissionAbsorption, Mip, Optics};
+use cellfan::optics::{
+    Absorption, BandDepths, BandLight, BandTable, Emission, EmissionAbsorption, Mip, Optics, Output,
+};
 use proptest::prelude::*;
 
 use crate::meshes::smooth;
@@ -28,6 +30,8 @@ proptest! {
         check::<EmissionAbsorption>(a, b, c);
         check::<Absorption>(a, b, c);
         check::<Emission>(a, b, c);
+        check::<BandDepths>(a, b, c);
+        check::<BandLight>(a, b, c);
         // Only the first number of a maximum means anything.
         let [a, b, c] = [a, b, c].map(|[s, ..]| [s, 0.0, 0.0, 0.0]);
         check::<Mip>(a, b, c);
@@ -41,5 +45,11 @@ fn nothing_is_a_miss() {
     assert_eq!(EmissionAbsorption { pieces }.pixel(EmissionAbsorption::CLEAR), [0.0; 4]);
     assert_eq!(Emission { pieces }.pixel(Emission::CLEAR), [0.0; 4]);
     assert_eq!(Mip { pieces }.pixel(Mip::CLEAR), [0.0; 4]);
-    assert_eq!(Absorption { pieces }.pixel(Absorption::CLEAR), [1.0; 4]);
+    for output in Output::ALL {
+        assert_eq!(Absorption { pieces, output }.pixel(Absorption::CLEAR), [output.miss(); 4]);
+        let passes = BandTable::constant(vec![1.0; 5]).unwrap().passes(0.0).passes;
+        assert_eq!(passes.len(), 2);
+        assert_eq!(BandDepths { pieces: &passes[1], output }.pixel(BandDepths::CLEAR), [output.miss(); 4]);
+        assert_eq!(BandLight { pieces: &passes[1] }.pixel(BandLight::CLEAR), [0.0; 4]);
+    }
 }

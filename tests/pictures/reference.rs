@@ -287,6 +287,11 @@ fn emission(transfer: &TransferFunction, segments: &[Segment]) -> [f64; 4] {
     light
 }
 
+/// The optical depth of segments, ∫ κ dt.
+pub(crate) fn depth(transfer: &TransferFunction, segments: &[Segment]) -> f64 {
+    segments.iter().flat_map(|segment| parts(transfer, segment)).map(|part| part.depth(transfer, 1.0)).sum()
+}
+
 /// ∫ c κ over a part.
 fn light_of(transfer: &TransferFunction, part: &Part) -> [f64; 3] {
     integrate(0.0, 1.0, |t| {

@@ -36,7 +36,7 @@ impl<'a> Projector<'a> {
         let (low, high) = frame.field.block_ranges[block];
         // Cells with values that are not finite are counted one by one.
         let has_invalid = frame.field.invalid > 0;
-        if !has_invalid && frame.cull_table.is_transparent(frame.pieces, low, high) {
+        if !has_invalid && frame.cull_table.is_transparent(frame.intervals(), low, high) {
             counts.culled_transparent += frame.dataset.cells_drawn_in(block);
             return None;
         }
@@ -71,7 +71,7 @@ impl BlockCells {
         let start = Instant::now();
         self.cell_from_visible.clear();
         let Culled { transparent, invalid } =
-            cull::cull(block, frame.field, screen, (frame.pieces, frame.cull_table), &mut self.cell_from_visible);
+            cull::cull(block, frame.field, screen, (frame.intervals(), frame.cull_table), &mut self.cell_from_visible);
         let culled = Instant::now();
         self.cell_from_projected.clear();
         self.boxes.clear();

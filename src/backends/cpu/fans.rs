@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use crate::backends::draw_order::DrawOrder;
 use crate::backends::{Counts, Frame};
 use crate::image::Image;
+use crate::optics::lanes::two_sum;
 use crate::optics::{CellSpan, LANES, Optics, Segments};
 use crate::profile::Profile;
 use crate::stages::View;
@@ -34,6 +35,8 @@ impl FanCompositor {
         let mut counts = self.order.find(frame, O::IS_ORDERED, profile);
         let [width, height] = frame.view.size_px;
         let mut image = Image::filled(width, height, O::CLEAR);
+        // What f32 loses of sums.
+        let mut lost = vec![[0.0; 4]; if O::IS_SUM { image.pixels.len() } else { 0 }];
         let input = self.order.fan_input(frame, PlanesFor::NoCells);
         for slice in self.order.slices(&input, SLICE) {
             let start = Instant::now();
@@ -43,14 +46,23 @@ impl FanCompositor {
             profile.add("fans", start.elapsed(), (self.fans.len() * size_of::<Fan>()) as u64);
 
             let start = Instant::now();
-            image.pixels.par_chunks_mut(width as usize * BAND).enumerate().for_each(|(band, pixels)| {
-                let mut rows = Rows { first: band * BAND, width: width as usize, pixels };
+            let size = width as usize * BAND;
+            let bands = image.pixels.par_chunks_mut(size).enumerate();
+            let draw = |(band, pixels): (usize, &mut [[f32; 4]]), lost: &mut [[f32; 4]]| {
+                let mut rows = Rows { first: band * BAND, width: width as usize, pixels, lost };
                 for fan in &self.fans {
                     rows.draw_fan(frame, optics, fan);
                 }
-            });
+            };
+            if O::IS_SUM {
+                bands.zip(lost.par_chunks_mut(size)).for_each(|(band, lost)| draw(band, lost));
+            } else {
+                bands.for_each(|band| draw(band, &mut []));
+            }
             profile.add("composite", start.elapsed(), (self.fans.len() * size_of::<Fan>()) as u64);
         }
+        let kept = image.pixels.par_iter_mut().zip(&lost);
+        kept.for_each(|(sum, lost)| *sum = std::array::from_fn(|c| sum[c] + lost[c]));
         image.pixels.par_iter_mut().for_each(|pixel| *pixel = optics.pixel(*pixel));
         (image, counts)
     }
@@ -61,9 +73,24 @@ struct Rows<'a> {
     first: usize,
     width: usize,
     pixels: &'a mut [[f32; 4]],
+    /// What rounding took from them, where contributions add up.
+    lost: &'a mut [[f32; 4]],
 }
 
 impl Rows<'_> {
+    /// Puts a contribution in front of a pixel.
+    fn add<O: Optics>(&mut self, pixel: usize, front: [f32; 4]) {
+        if !O::IS_SUM {
+            self.pixels[pixel] = O::over(front, self.pixels[pixel]);
+            return;
+        }
+        for ((sum, lost), front) in self.pixels[pixel].iter_mut().zip(&mut self.lost[pixel]).zip(front) {
+            let (rounded, error) = two_sum(*sum, front);
+            *sum = rounded;
+            *lost += error;
+        }
+    }
+
     fn draw_fan<O: Optics>(&mut self, frame: &Frame, optics: &O, fan: &Fan) {
         let rows = (0..5).fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), i| {
             let ([_, y], ..) = fan.vertex(i);
@@ -73,7 +100,7 @@ impl Rows<'_> {
             return;
         }
         let [low, high] = fan.s_range;
-        let span = CellSpan::new(frame.pieces, low, high);
+        let span = CellSpan::new(frame.intervals(), low, high);
         for triangle in Fan::TRIANGLES {
             self.draw_triangle(frame.view, optics, (span, fan.s_range), triangle.map(|i| fan.vertex(i)));
         }
@@ -118,12 +145,12 @@ impl Rows<'_> {
                     let [front, back] = [0, 1].map(|end| [mix(end, 0), mix(end, 1)]);
                     let pixel = (y - self.first) * self.width + x;
                     if lanes.push(view, pixel, [x, y], front, back, cell.1) {
-                        lanes.flush(optics, cell.0, self.pixels);
+                        lanes.flush(optics, cell.0, self);
                     }
                 }
             }
         }
-        lanes.flush(optics, cell.0, self.pixels);
+        lanes.flush(optics, cell.0, self);
     }
 }
 
@@ -167,7 +194,7 @@ impl LaneBuffer {
         self.len == LANES
     }
 
-    fn flush<O: Optics>(&mut self, optics: &O, span: CellSpan, pixels: &mut [[f32; 4]]) {
+    fn flush<O: Optics>(&mut self, optics: &O, span: CellSpan, rows: &mut Rows) {
         if self.len == 0 {
             return;
         }
@@ -177,7 +204,7 @@ impl LaneBuffer {
         let [contribution] = contributions;
         for (i, &pixel) in self.pixels[..self.len].iter().enumerate() {
             let front = std::array::from_fn(|c| contribution[c][i]);
-            pixels[pixel] = O::over(front, pixels[pixel]);
+            rows.add::<O>(pixel, front);
         }
         self.len = 0;
     }

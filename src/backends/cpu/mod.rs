@@ -3,7 +3,8 @@
 //! In: a [`Frame`](super::Frame) and an optical model. Out: an [`Image`](crate::image::Image), [`Counts`](super::Counts),
 //! spans in a [`Profile`](crate::profile::Profile).
 //! `compositor`: `project` → `bins` (per `block` of cells `cull`, `footprints`, `sort` keys; scatter to tiles) → per tile, by a
-//! `worker`: sort, `tile` (cell by cell: its `planes`, its `hits`; `hexahedra`, `crossed`) into a `sink` (blend, or collect and sort per pixel) → picture.
+//! `worker`: sort, `tile` (cell by cell: its `planes`, its `hits`; `hexahedra`, `crossed`) into a `sink` (blend, or collect and sort per
+//! pixel) or a `sum` → picture.
 //! Under a memory budget the bins are filled in `bands`, within what `budget` leaves, and blocks collected in `portions`.
 //! To add a way to composite: a sink; an instruction set: its kernels in `dispatch`, how it moves lanes in `compress`.
 
@@ -23,6 +24,7 @@ mod planes;
 mod portions;
 mod sink;
 mod steep;
+mod sum;
 mod tile;
 mod tile_source;
 mod worker;

@@ -174,7 +174,7 @@ pub(super) fn composite<O: Optics, S: Sink<O>, const PERSPECTIVE: bool>(
                 let steep = SteepCell::new(&tile.rays, &batch, &corners, lane);
                 hits.correct::<PERSPECTIVE>(&tile.lanes, &steep);
             }
-            hits.shade(optics, CellSpan::new(frame.pieces, cell.s_min, cell.s_max));
+            hits.shade(optics, CellSpan::new(frame.intervals(), cell.s_min, cell.s_max));
             hits.send::<O, S>(tile, compress, sink);
         }
     }

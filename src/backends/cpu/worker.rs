@@ -11,6 +11,7 @@ use super::dispatch::Kernels;
 use super::hits::Hits;
 use super::portions::{BlockCounts, Portion};
 use super::sink::{Blend, Collect, OrderSlack};
+use super::sum::Sum;
 use super::tile::{PIXELS, TileFrame, place_of};
 use super::tile_source::LentTile;
 use crate::backends::{Counts, Frame};
@@ -77,6 +78,7 @@ pub(super) struct Worker {
     holding_by_power: Blend<HELD_BY_POWER>,
     holding: Blend<HELD>,
     collect: Collect,
+    sum: Sum,
     hits: Hits,
 }
 
@@ -90,6 +92,7 @@ impl Default for Worker {
             holding_by_power: Blend::default(),
             holding: Blend::default(),
             collect: Collect::default(),
+            sum: Sum::default(),
             hits: Hits::default(),
         }
     }
@@ -140,7 +143,14 @@ impl Worker {
         let sorted = Instant::now();
 
         let frame = TileFrame::new(task.frame, task.bins.grid.origin_px(tile));
-        if O::IS_ORDERED && task.frame.is_exact {
+        if O::IS_SUM {
+            let Self { order, hits, sum, .. } = self;
+            sum.reset();
+            task.kernels.composite(&frame, task.optics, order, hits, sum);
+            for (pixel, contribution) in out.iter_mut().zip(sum.contributions()) {
+                *pixel = task.optics.pixel(contribution);
+            }
+        } else if O::IS_ORDERED && task.frame.is_exact {
             let late_blocks = if task.frame.sort_key == SortKey::Power {
                 blend(task, &frame, (&self.order, &mut self.hits), &mut self.holding_by_power, &mut drawn.counts, out)
             } else {

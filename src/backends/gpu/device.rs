@@ -72,8 +72,10 @@ impl Failure {
 }
 
 /// Features that are used where the adapter has them.
-const WANTED: Features =
-    Features::FLOAT32_BLENDABLE.union(Features::MAPPABLE_PRIMARY_BUFFERS).union(Features::TIMESTAMP_QUERY);
+const WANTED: Features = Features::FLOAT32_BLENDABLE
+    .union(Features::MAPPABLE_PRIMARY_BUFFERS)
+    .union(Features::TIMESTAMP_QUERY)
+    .union(Features::DUAL_SOURCE_BLENDING);
 
 /// All adapters, the best one first.
 fn find() -> Vec<wgpu::Adapter> {
@@ -138,7 +140,7 @@ impl Gpu {
     /// A caller's own device, as for drawing into its textures. Its callbacks for errors stay as they are.
     ///
     /// With the features `FLOAT32_BLENDABLE` and, on integrated adapters, `MAPPABLE_PRIMARY_BUFFERS` pictures are more exact and
-    /// faster; `TIMESTAMP_QUERY` times them.
+    /// faster; `TIMESTAMP_QUERY` times them, `DUAL_SOURCE_BLENDING` is for emission-absorption in bands.
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
         let adapter = AdapterSummary::new(&device.adapter_info());
         Self { device, queue, adapter, failure: Failure::default() }
@@ -157,6 +159,11 @@ impl Gpu {
     /// Whether pictures are blended in 32 bits; otherwise in 16.
     pub fn blends_in_32_bits(&self) -> bool {
         self.device.features().contains(Features::FLOAT32_BLENDABLE)
+    }
+
+    /// Whether each channel can be dimmed on its own, as emission-absorption in bands asks for.
+    pub fn blends_by_channel(&self) -> bool {
+        self.device.features().contains(Features::DUAL_SOURCE_BLENDING)
     }
 
     /// Notes errors that no call returns, instead of a panic.

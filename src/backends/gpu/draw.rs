@@ -1,6 +1,6 @@
 //! `GpuCompositor`: fans drawn slice by slice, and the picture made of what they add up to.
 //!
-//! In: a [`Frame`], model and integral. Out: the picture in memory, or in a caller's texture. The calling thread finds the draw
+//! In: a [`Frame`] and its [`Shading`]. Out: the picture in memory, or in a caller's texture. The calling thread finds the draw
 //! order and fills slots of the ring; a thread of its own submits them, since a submission may block; bounded channels lie between.
 
 use std::time::Instant;
@@ -18,7 +18,7 @@ use crate::backends::draw_order::DrawOrder;
 use crate::backends::{Counts, Frame};
 use crate::error::{Error, Result};
 use crate::image::Image;
-use crate::optics::{Integral, Model};
+use crate::optics::Shading;
 use crate::profile::Profile;
 use crate::stages::fans::Fan;
 
@@ -54,13 +54,8 @@ impl GpuCompositor {
     ///
     /// # Errors
     /// [`Error::NoDevice`] where the device fails, [`Error::Memory`] where its memory budget is too small for the picture.
-    pub fn draw(
-        &mut self,
-        frame: &Frame,
-        (model, integral): (Model, Integral),
-        profile: &mut Profile,
-    ) -> Result<(Image, Counts)> {
-        let counts = self.accumulate(frame, (model, integral), profile)?;
+    pub fn draw(&mut self, frame: &Frame, shading: Shading, profile: &mut Profile) -> Result<(Image, Counts)> {
+        let counts = self.accumulate(frame, shading, profile)?;
         let (Some(pipelines), Some((targets, readback, _))) = (&self.pipelines, &self.targets) else {
             return Err(self.gpu.failed("has no picture"));
         };
@@ -90,7 +85,7 @@ impl GpuCompositor {
     pub fn draw_to_texture(
         &mut self,
         frame: &Frame,
-        (model, integral): (Model, Integral),
+        shading: Shading,
         texture: &wgpu::Texture,
         profile: &mut Profile,
     ) -> Result<Counts> {
@@ -100,7 +95,7 @@ impl GpuCompositor {
             let problem = format!("a texture of {size:?}; a render attachment of {width}x{height} pixels is needed");
             return Err(Error::Option { option: "texture", problem });
         }
-        let counts = self.accumulate(frame, (model, integral), profile)?;
+        let counts = self.accumulate(frame, shading, profile)?;
         let (Some(pipelines), Some((targets, ..))) = (&mut self.pipelines, &self.targets) else {
             return Err(self.gpu.failed("has no picture"));
         };
@@ -143,18 +138,13 @@ impl GpuCompositor {
     }
 
     /// Blends all fans of a frame.
-    fn accumulate(
-        &mut self,
-        frame: &Frame,
-        (model, integral): (Model, Integral),
-        profile: &mut Profile,
-    ) -> Result<Counts> {
+    fn accumulate(&mut self, frame: &Frame, shading: Shading, profile: &mut Profile) -> Result<Counts> {
         self.gpu.check()?;
         let start = Instant::now();
         let gpu = self.gpu.clone();
-        gpu.make(|| self.prepare(frame, (model, integral)))?;
+        gpu.make(|| self.prepare(frame, shading))?;
         profile.add("prepare", start.elapsed(), 0);
-        let mut counts = self.order.find(frame, !model.is_order_free(), profile);
+        let mut counts = self.order.find(frame, !shading.model.is_order_free(), profile);
         let (Some(pipelines), Some((targets, _, ring))) = (&mut self.pipelines, &self.targets) else {
             return Err(self.gpu.failed("has no picture"));
         };
@@ -200,10 +190,10 @@ impl GpuCompositor {
     }
 
     /// Makes what the frame needs and the last one did not have.
-    fn prepare(&mut self, frame: &Frame, (model, integral): (Model, Integral)) -> Result<()> {
+    fn prepare(&mut self, frame: &Frame, shading: Shading) -> Result<()> {
         let gpu = &self.gpu;
-        if self.pipelines.as_ref().is_none_or(|pipelines| !pipelines.are_for(model, integral)) {
-            self.pipelines = Some(Pipelines::new(gpu, model, integral));
+        if self.pipelines.as_ref().is_none_or(|pipelines| !pipelines.are_for(shading)) {
+            self.pipelines = Some(Pipelines::new(gpu, shading));
         }
         let Some(pipelines) = &mut self.pipelines else { return Ok(()) };
         pipelines.write_frame(gpu, frame)?;

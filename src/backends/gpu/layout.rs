@@ -2,8 +2,9 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::optics::Pieces;
+use crate::backends::Frame;
 use crate::optics::texture::OpacityTexture;
+use crate::optics::{BandPiece, Intervals, LinearPiece, Pieces};
 use crate::stages::View;
 
 /// `Frame` of `shaders/frame.wgsl`.
@@ -41,6 +42,20 @@ pub(super) struct PieceRecord {
     pub(super) is_transparent: u32,
 }
 
+/// `Piece` of `shaders/band_pieces.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(super) struct BandPieceRecord {
+    pub(super) begin: f32,
+    pub(super) end: f32,
+    pub(super) start: f32,
+    pub(super) is_transparent: u32,
+    pub(super) extinction: [f32; 4],
+    pub(super) extinction_slope: [f32; 4],
+    pub(super) color: [f32; 4],
+    pub(super) color_slope: [f32; 4],
+}
+
 /// Where lengths and extinctions are among the texels of an opacity texture; nothing without one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Texels {
@@ -57,7 +72,7 @@ impl Texels {
 }
 
 impl FrameUniform {
-    pub(super) fn new(view: &View, pieces: &Pieces, texels: Texels, (s_middle, s_scale): (f32, f32)) -> Self {
+    pub(super) fn new(view: &View, intervals: &Intervals, texels: Texels, (s_middle, s_scale): (f32, f32)) -> Self {
         let [width, height] = view.size_px.map(|side| side as f32);
         let world = |direction: glam::DVec3| (direction * view.world_per_scene).as_vec3().to_array();
         let (ray, step_x, step_y) = if view.is_perspective {
@@ -73,7 +88,7 @@ impl FrameUniform {
             ray: world(ray),
             is_perspective: view.is_perspective.into(),
             ray_step_x: world(step_x),
-            piece_count: pieces.len() as u32,
+            piece_count: intervals.len() as u32,
             ray_step_y: world(step_y),
             v_far: finite(v_far),
             v_near: finite(v_near),
@@ -92,8 +107,34 @@ fn finite(value: f32) -> f32 {
     value.clamp(f32::MIN, f32::MAX)
 }
 
+/// The pieces that a frame's shaders read, as bytes.
+pub(super) fn piece_bytes(frame: &Frame) -> Vec<u8> {
+    match frame.bands {
+        Some(bands) => bytemuck::cast_slice(&band_records(bands)).to_vec(),
+        None => bytemuck::cast_slice(&piece_records(frame.pieces)).to_vec(),
+    }
+}
+
+/// The bands of a pass.
+fn band_records(pieces: &Pieces<BandPiece>) -> Vec<BandPieceRecord> {
+    let record = |k: usize| {
+        let piece = pieces.piece(k);
+        BandPieceRecord {
+            begin: finite(pieces.start_of(k)),
+            end: finite(pieces.end_of(k)),
+            start: piece.start,
+            is_transparent: piece.is_transparent().into(),
+            extinction: piece.extinction,
+            extinction_slope: piece.extinction_slope,
+            color: piece.color,
+            color_slope: piece.color_slope,
+        }
+    };
+    (0..pieces.len()).map(record).collect()
+}
+
 /// The pieces of a transfer function.
-pub(super) fn piece_records(pieces: &Pieces) -> Vec<PieceRecord> {
+fn piece_records(pieces: &Pieces) -> Vec<PieceRecord> {
     let record = |k: usize| {
         let piece = pieces.piece(k);
         PieceRecord {

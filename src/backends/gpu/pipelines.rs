@@ -4,14 +4,14 @@ use wgpu::{BufferUsages, ShaderStages, TextureFormat};
 
 use super::Gpu;
 use super::accumulate::accumulated_format;
-use super::layout::{FrameUniform, PieceRecord, Texels, piece_records};
+use super::layout::{FrameUniform, Texels, piece_bytes};
 use super::shaders::{self, Blend, ModelShaders};
 use super::timestamps::Timestamps;
 use crate::backends::Frame;
 use crate::columns::Field;
 use crate::error::Result;
 use crate::optics::texture::OpacityTexture;
-use crate::optics::{Integral, Model, Textured};
+use crate::optics::{Integral, Model, Shading, Textured};
 use crate::stages::fans::{Fan, PlanesFor};
 
 /// Fans that one draw takes: their vertices have 16-bit numbers, relative to the draw's first.
@@ -19,7 +19,7 @@ const FANS_PER_DRAW: usize = 1 << 13;
 
 /// Everything but textures and fans.
 pub(super) struct Pipelines {
-    of: (Model, Integral),
+    of: Shading,
     shaders: ModelShaders,
     module: wgpu::ShaderModule,
     /// For fans alone, and for fans among which there are planes.
@@ -39,7 +39,7 @@ pub(super) struct Pipelines {
 
 /// A transfer function that is bound.
 struct Bound {
-    pieces: Vec<PieceRecord>,
+    pieces: Vec<u8>,
     diagonal_world: f64,
     texels: Texels,
 }
@@ -56,9 +56,9 @@ fn entry(binding: u32, buffer: &wgpu::Buffer) -> wgpu::BindGroupEntry<'_> {
 const STORAGE: wgpu::BufferBindingType = wgpu::BufferBindingType::Storage { read_only: true };
 
 impl Pipelines {
-    pub(super) fn new(gpu: &Gpu, model: Model, integral: Integral) -> Self {
+    pub(super) fn new(gpu: &Gpu, shading: Shading) -> Self {
         let device = &gpu.device;
-        let shaders = shaders::of(model, integral);
+        let shaders = shaders::of(shading);
         let layout = |label, entries: &[wgpu::BindGroupLayoutEntry]| {
             device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
         };
@@ -88,7 +88,7 @@ impl Pipelines {
             mapped_at_creation: false,
         });
         Self {
-            of: (model, integral),
+            of: shading,
             shaders,
             module,
             draw: [None, None],
@@ -104,8 +104,8 @@ impl Pipelines {
         }
     }
 
-    pub(super) fn are_for(&self, model: Model, integral: Integral) -> bool {
-        self.of == (model, integral)
+    pub(super) fn are_for(&self, shading: Shading) -> bool {
+        self.of == shading
     }
 
     /// Which cells the model wants as planes.
@@ -115,13 +115,13 @@ impl Pipelines {
 
     /// Writes what all passes of the frame read.
     pub(super) fn write_frame(&mut self, gpu: &Gpu, frame: &Frame) -> Result<()> {
-        let (pieces, diagonal_world) = (piece_records(frame.pieces), frame.dataset.diagonal_world());
+        let (pieces, diagonal_world) = (piece_bytes(frame), frame.dataset.diagonal_world());
         let is_bound = self
             .bound
             .as_ref()
             .is_some_and(|bound| bound.pieces == pieces && bound.diagonal_world.total_cmp(&diagonal_world).is_eq());
         if !is_bound {
-            let textured = match self.of {
+            let textured = match (self.of.model, self.of.integral) {
                 (Model::EmissionAbsorption, Integral::Texture) => Some(Textured::new(frame.pieces, diagonal_world)?),
                 _ => None,
             };
@@ -131,14 +131,14 @@ impl Pipelines {
         }
         let texels = self.bound.as_ref().map_or(Texels::default(), |bound| bound.texels);
         let s_middle_scale = if gpu.blends_in_32_bits() { (0.0, 1.0) } else { to_unit_interval(frame.field) };
-        let uniform = FrameUniform::new(frame.view, frame.pieces, texels, s_middle_scale);
+        let uniform = FrameUniform::new(frame.view, frame.intervals(), texels, s_middle_scale);
         gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
         Ok(())
     }
 
     /// Binds pieces and texels; neither is empty.
-    fn bind(&mut self, gpu: &Gpu, pieces: &[PieceRecord], texels: &[f32]) {
-        let pieces = buffer_of(gpu, "pieces", BufferUsages::STORAGE, bytemuck::cast_slice(pieces));
+    fn bind(&mut self, gpu: &Gpu, pieces: &[u8], texels: &[f32]) {
+        let pieces = buffer_of(gpu, "pieces", BufferUsages::STORAGE, pieces);
         let texels = buffer_of(gpu, "opacity texture", BufferUsages::STORAGE, bytemuck::cast_slice(texels));
         self.frame_binding = Some(gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("frame"),
@@ -285,11 +285,13 @@ fn blend_state(blend: Blend) -> wgpu::BlendState {
     use wgpu::{BlendComponent, BlendFactor, BlendOperation};
     let (operation, dst_factor) = match blend {
         Blend::Over => (BlendOperation::Add, BlendFactor::OneMinusSrcAlpha),
+        Blend::OverByChannel => (BlendOperation::Add, BlendFactor::Src1),
         Blend::Add => (BlendOperation::Add, BlendFactor::One),
         Blend::Max => (BlendOperation::Max, BlendFactor::One),
     };
-    let component = BlendComponent { src_factor: BlendFactor::One, dst_factor, operation };
-    wgpu::BlendState { color: component, alpha: component }
+    let component = |dst_factor| BlendComponent { src_factor: BlendFactor::One, dst_factor, operation };
+    let alpha_factor = if dst_factor == BlendFactor::Src1 { BlendFactor::Src1Alpha } else { dst_factor };
+    wgpu::BlendState { color: component(dst_factor), alpha: component(alpha_factor) }
 }
 
 /// Entry points of a module, with values for its constants.

@@ -3,7 +3,7 @@
 //! In: model and integral. Out: WGSL text; a module of it. Release builds leave out the run-time checks of bounds and loops.
 #![expect(unsafe_code, reason = "shader modules without run-time checks")]
 
-use crate::optics::{Integral, Model, wgsl};
+use crate::optics::{Integral, Model, Output, Shading, wgsl};
 use crate::stages::fans::PlanesFor;
 
 macro_rules! shader {
@@ -17,6 +17,8 @@ macro_rules! shader {
 pub(super) enum Blend {
     /// Premultiplied, over what lies behind.
     Over,
+    /// The same with a transmittance for each channel, from a second source.
+    OverByChannel,
     Add,
     Max,
 }
@@ -24,6 +26,7 @@ pub(super) enum Blend {
 /// What a model needs of the GPU.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ModelShaders {
+    pieces: &'static str,
     fragment: &'static [&'static str],
     pub(super) blend: Blend,
     /// Light that nothing dims shows every rounding, a maximum every pixel of the outline.
@@ -35,41 +38,62 @@ pub(super) struct ModelShaders {
 }
 
 /// The table of models.
-pub(super) fn of(model: Model, integral: Integral) -> ModelShaders {
+pub(super) fn of(Shading { model, integral, output, has_bands }: Shading) -> ModelShaders {
     let sums: &[&str] = &[shader!("ramp"), shader!("sums")];
+    let depths: &[&str] = if has_bands { &[shader!("ramp"), shader!("band_depths")] } else { sums };
     let (fragment, blend, resolve): (&[&str], _, _) = match (model, integral) {
+        (Model::EmissionAbsorption, Integral::Exact) if has_bands => {
+            (&[shader!("ramp"), shader!("band_light")], Blend::OverByChannel, "as_it_is")
+        }
         (Model::EmissionAbsorption, Integral::Exact) => {
-            (&[shader!("ramp"), shader!("emission_absorption")], Blend::Over, "emission_absorption")
+            (&[shader!("ramp"), shader!("emission_absorption")], Blend::Over, "as_it_is")
         }
         (Model::EmissionAbsorption, Integral::Average) => {
-            (&[shader!("averaged"), shader!("ends")], Blend::Over, "emission_absorption")
+            (&[shader!("averaged"), shader!("ends")], Blend::Over, "as_it_is")
         }
         (Model::EmissionAbsorption, Integral::Texture) => {
-            (&[shader!("textured"), shader!("ends")], Blend::Over, "emission_absorption")
+            (&[shader!("textured"), shader!("ends")], Blend::Over, "as_it_is")
         }
-        (Model::Absorption, _) => (sums, Blend::Add, "absorption"),
+        (Model::Absorption, _) => match output {
+            Output::Intensity => (depths, Blend::Add, "absorption"),
+            Output::Depth => (depths, Blend::Add, "as_it_is"),
+        },
         (Model::Emission, _) => (sums, Blend::Add, "emission"),
         (Model::Mip, _) => (&[shader!("mip")], Blend::Max, "mip"),
     };
     let clear = if blend == Blend::Max { [f64::from(-f32::MAX), 0.0, 0.0, 0.0] } else { [0.0; 4] };
     let planes_for = match model {
+        // Optical depths to be measured, not looked at, are sums like light.
+        Model::Absorption if has_bands || output == Output::Depth => PlanesFor::AllCells,
         Model::EmissionAbsorption | Model::Absorption => PlanesFor::NearCells,
         Model::Emission | Model::Mip => PlanesFor::AllCells,
     };
-    ModelShaders { fragment, blend, planes_for, resolve, clear }
+    let pieces = if has_bands { shader!("band_pieces") } else { shader!("pieces") };
+    ModelShaders { pieces, fragment, blend, planes_for, resolve, clear }
 }
 
 impl ModelShaders {
     /// The shader that draws fans.
     pub(super) fn draw_text(&self) -> String {
-        let common = [&wgsl::constants(), shader!("frame"), shader!("pieces"), shader!("integral"), shader!("fans")];
+        let requirements = if self.blend == Blend::OverByChannel { "enable dual_source_blending;" } else { "" };
+        let constants = wgsl::constants();
+        let common = [
+            requirements,
+            &constants,
+            shader!("frame"),
+            self.pieces,
+            shader!("intervals"),
+            shader!("integral"),
+            shader!("fans"),
+        ];
         common.into_iter().chain(self.fragment.iter().copied()).collect::<Vec<_>>().join("\n")
     }
 }
 
 /// The shader that makes the picture.
 pub(super) fn resolve_text() -> String {
-    [&wgsl::constants(), shader!("frame"), shader!("pieces"), shader!("integral"), shader!("resolve")].join("\n")
+    let common = [shader!("frame"), shader!("pieces"), shader!("intervals"), shader!("integral"), shader!("resolve")];
+    [wgsl::constants(), common.join("\n")].join("\n")
 }
 
 /// A module of `text`.

@@ -5,16 +5,25 @@ use std::mem::offset_of;
 use naga::{Module, TypeInner};
 use wgpu::BufferUsages as Usage;
 
-use super::layout::{FrameUniform, PieceRecord};
+use super::layout::{BandPieceRecord, FrameUniform, PieceRecord};
 use super::{Gpu, adapters, shaders};
 use crate::optics::integral::{
     segment_weights, segment_weights_average, segment_weights_thin, segment_weights_very_thin,
 };
-use crate::optics::{Integral, Model, wgsl};
+use crate::optics::{Integral, Model, Output, Shading, wgsl};
 use crate::stages::fans::{Fan, PlaneFan};
 
-fn all_models() -> Vec<(Model, Integral)> {
-    Model::ALL.into_iter().flat_map(|model| Integral::ALL.map(|integral| (model, integral))).collect()
+fn all_shadings() -> Vec<Shading> {
+    let models = Model::ALL.into_iter().flat_map(|model| Integral::ALL.map(|integral| (model, integral)));
+    let plain = models.map(|(model, integral)| Shading { model, integral, ..Shading::default() });
+    let absorption = Shading { model: Model::Absorption, ..Shading::default() };
+    let in_bands = [
+        Shading { has_bands: true, ..Shading::default() },
+        Shading { has_bands: true, ..absorption },
+        Shading { output: Output::Depth, ..absorption },
+        Shading { has_bands: true, output: Output::Depth, ..absorption },
+    ];
+    plain.chain(in_bands).collect()
 }
 
 /// Name and offset of each member of a struct, and its span.
@@ -33,19 +42,22 @@ macro_rules! offsets {
 
 #[test]
 fn shaders_parse_and_read_what_rust_writes() {
-    for (model, integral) in all_models() {
-        let text = shaders::of(model, integral).draw_text();
+    for shading in all_shadings() {
+        let text = shaders::of(shading).draw_text();
         let module =
             naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
         let frame = offsets!(
             FrameUniform: ndc_scale, ndc_offset, ray, is_perspective, ray_step_x, piece_count, ray_step_y, v_far,
             v_near, texels, texels_per_length, texels_per_extinction, s_middle, s_scale
         );
-        assert_eq!(members(&module, "Frame"), frame, "{model} {integral}");
+        assert_eq!(members(&module, "Frame"), frame, "{shading:?}");
         let piece = offsets!(
             PieceRecord: begin, end, start, extinction, color, extinction_slope, color_slope, is_transparent
         );
-        assert_eq!(members(&module, "Piece"), piece);
+        let band_piece = offsets!(
+            BandPieceRecord: begin, end, start, is_transparent, extinction, extinction_slope, color, color_slope
+        );
+        assert_eq!(members(&module, "Piece"), if shading.has_bands { band_piece } else { piece });
         // Fans are read as words: these are the places that `shaders/fans.wgsl` names.
         assert_eq!(members(&module, "Fan"), (vec![("words".to_owned(), 0)], size_of::<Fan>()));
     }
@@ -67,7 +79,7 @@ fn shaders_parse_and_read_what_rust_writes() {
 
 #[test]
 fn all_shaders_are_valid() {
-    let texts = all_models().into_iter().map(|(model, integral)| shaders::of(model, integral).draw_text());
+    let texts = all_shadings().into_iter().map(|shading| shaders::of(shading).draw_text());
     for text in texts.chain([shaders::resolve_text()]) {
         let module =
             naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));

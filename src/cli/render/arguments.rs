@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use cellfan::optics::Output;
 use cellfan::{CpuMethod, Integral, Model, SortMethod};
 use clap::Args;
 
@@ -25,8 +26,8 @@ pub(in crate::cli) struct Arguments {
     #[arg(required = true, value_name = "MESH")]
     pub(super) meshes: Vec<PathBuf>,
     /// The picture: .png to look at, .exr or .npy for the linear values [default: MESH.png in this folder].
-    #[arg(short, long, value_name = "OUT")]
-    pub(super) output: Option<PathBuf>,
+    #[arg(short = 'o', long, value_name = "OUT")]
+    pub(super) out: Option<PathBuf>,
 
     /// The array to draw: NAME, NAME[component], point:NAME or cell:NAME; a vector by its magnitude
     /// [default: one that varies].
@@ -42,6 +43,14 @@ pub(in crate::cli) struct Arguments {
     /// What a ray computes.
     #[arg(long, help_heading = "Picture", default_value_t, value_parser = named::<Model>(MODELS))]
     pub(super) model: Model,
+    /// Extinctions of wavelength bands: a .csv table of rows `value k1 k2 … kn` over the array, a .json table, or array:NAME,NAME…,
+    /// whose values are extinctions. Any number for absorption (.exr: a channel a band, .npy: height, width, bands; .png: the
+    /// first three), three for emission-absorption: red, green, blue [default: extinction times r, g, b, 1].
+    #[arg(long, value_name = "BANDS", help_heading = "Picture")]
+    pub(super) bands: Option<String>,
+    /// What an absorption picture holds: transmitted intensity, or optical depth (not as .png).
+    #[arg(long, value_name = "WHAT", help_heading = "Picture", default_value_t, value_parser = one_of(Output::ALL.map(|output| (output.name(), output))))]
+    pub(super) output: Output,
     /// The colour behind a PNG, as sRGB from 0 to 1 [default: transparent].
     #[arg(long, value_name = "R,G,B", help_heading = "Picture", value_parser = color, allow_hyphen_values = true)]
     pub(super) background: Option<[f32; 3]>,
@@ -121,7 +130,8 @@ Examples:
   cellfan render mesh.vtu -o out.png --array Velocity[2] --transfer cool-warm --view 120,-10
   cellfan render mesh.vtu -o out.exr --transfer tf.json --camera cam.json --size 1920x1080
   cellfan render mesh.vtu -o turn.png --frames 36 --orbit 360 --background 0,0,0
-  cellfan render mesh.vtu -o out.npy --model absorption --stats - | jq .frame_ms";
+  cellfan render mesh.vtu -o out.npy --model absorption --stats - | jq .frame_ms
+  cellfan render mesh.vtu -o xray.exr --model absorption --bands bands.csv --output depth";
 
 /// How cells with more than four corners are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -135,7 +145,7 @@ pub(super) enum Cells {
 impl Arguments {
     /// Where the picture goes; by default the mesh's name with .png, in the current folder.
     pub(super) fn output_path(&self, mesh: &Path) -> PathBuf {
-        self.output.clone().unwrap_or_else(|| {
+        self.out.clone().unwrap_or_else(|| {
             // A path without a name is no mesh; the reader says so.
             let mut name = mesh.file_stem().unwrap_or("mesh".as_ref()).to_owned();
             name.push(".png");

@@ -101,7 +101,7 @@ impl Backend {
 /// Whether the processor may succeed: the device fails, or the picture is too large for it.
 #[cfg(feature = "gpu")]
 fn is_of_the_gpu(error: &Error) -> bool {
-    error.is_device() || matches!(error, Error::Option { option: "--size" | "--gpu-memory", .. })
+    error.is_device() || matches!(error, Error::Option { option: "--size" | "--gpu-memory" | "--backend gpu", .. })
 }
 
 /// What only the processor can do.

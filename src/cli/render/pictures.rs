@@ -1,9 +1,9 @@
 //! Where pictures go: one file, or a sequence.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use cellfan::image::{Encoding, Format, FrameWriter, check_output, frame_path};
-use cellfan::{Image, Result};
+use cellfan::image::{Encoding, Format, FrameWriter, Picture, check_output, frame_path};
+use cellfan::{Rendered, Result};
 
 /// One picture under its own name, or numbered ones.
 pub(super) enum Pictures {
@@ -30,11 +30,24 @@ impl Pictures {
         })
     }
 
-    /// Writes the next picture.
-    pub(super) fn push(&mut self, image: &Image) -> Result<()> {
+    /// Writes the next picture: all its bands if it has bands of their own, of which a PNG shows the first three.
+    pub(super) fn push(&mut self, rendered: &Rendered) -> Result<()> {
+        match &rendered.bands {
+            Some(bands) if Format::from_path(self.path())? != Format::Png => self.push_picture(bands),
+            _ => self.push_picture(&rendered.image),
+        }
+    }
+
+    fn push_picture(&mut self, picture: &impl Picture) -> Result<()> {
         match self {
-            Self::One(path, encoding) => image.save(path, encoding),
-            Self::Several { writer, .. } => writer.push(image),
+            Self::One(path, encoding) => picture.save(path, encoding),
+            Self::Several { writer, .. } => writer.push(picture),
+        }
+    }
+
+    fn path(&self) -> &Path {
+        match self {
+            Self::One(path, _) | Self::Several { path, .. } => path,
         }
     }
 

@@ -22,16 +22,11 @@ impl TransferFunction {
         let mut points = Vec::new();
         let mut header_allowed = true;
         for (i, line) in text.lines().enumerate() {
-            let content = line.split('#').next().unwrap_or_default();
-            let fields: Vec<&str> = content
-                .split(|c: char| c.is_whitespace() || c == ',' || c == ';')
-                .filter(|field| !field.is_empty())
-                .collect();
+            let fields = fields_of(line);
             if fields.is_empty() {
                 continue;
             }
-            // `nan` and `inf` parse as numbers and are refused as such; a header has none.
-            if std::mem::take(&mut header_allowed) && fields.iter().all(|field| field.parse::<f64>().is_err()) {
+            if std::mem::take(&mut header_allowed) && is_header(&fields) {
                 continue;
             }
             points.push(row(&fields).map_err(|what| problem(format!("line {}: {what}", i + 1)))?);
@@ -41,6 +36,18 @@ impl TransferFunction {
         }
         Self::new(points)
     }
+}
+
+/// The fields of a line, without its comment.
+pub(super) fn fields_of(line: &str) -> Vec<&str> {
+    let content = line.split('#').next().unwrap_or_default();
+    let fields = content.split(|c: char| c.is_whitespace() || c == ',' || c == ';');
+    fields.filter(|field| !field.is_empty()).collect()
+}
+
+/// Whether a row holds names. `nan` and `inf` parse as numbers and are refused as such; a header has none.
+pub(super) fn is_header(fields: &[&str]) -> bool {
+    fields.iter().all(|field| field.parse::<f64>().is_err())
 }
 
 fn row(fields: &[&str]) -> Result<ControlPoint, String> {

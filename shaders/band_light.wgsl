@@ -1,0 +1,56 @@
+// Emission and absorption by band, two a pass (src/optics/band_light.rs): light and opacity of both, blended over what lies
+// behind, which each channel dims on its own.
+
+// Light of both bands, transmittance of both.
+fn of_piece(k: u32, part: Segment) -> vec4<f32> {
+    let x = extinctions_at(k, part.enter) * part.length_world;
+    let y = extinctions_at(k, part.leave) * part.length_world;
+    let near = colors_at(k, part.enter);
+    let far = colors_at(k, part.leave);
+    let a = segment_weights(x.x, y.x);
+    let b = segment_weights(x.y, y.y);
+    return vec4<f32>(a.w0 * near.x + a.w1 * far.x, b.w0 * near.y + b.w1 * far.y, a.transmittance, b.transmittance);
+}
+
+fn over(front: vec4<f32>, back: vec4<f32>) -> vec4<f32> {
+    return vec4<f32>(front.xy + front.zw * back.xy, front.zw * back.zw);
+}
+
+struct Blended {
+    // Light and opacity.
+    @location(0) @blend_src(0) added: vec4<f32>,
+    // What is left of the same behind.
+    @location(0) @blend_src(1) transmittance: vec4<f32>,
+}
+
+fn blended(sum: vec4<f32>) -> Blended {
+    return Blended(vec4<f32>(sum.xy, 1.0 - sum.zw), sum.zwzw);
+}
+
+@fragment
+fn fragment(in: Fragment) -> Blended {
+    let ray = segment(in);
+    var sum = vec4<f32>(0.0, 0.0, 1.0, 1.0);
+    if !(ray.length_world > 0.0) {
+        return blended(sum);
+    }
+    for (var k = in.span.x; k <= in.span.y; k++) {
+        if pieces[k].is_transparent != 0u {
+            continue;
+        }
+        var part = ray;
+        if in.span.x != in.span.y {
+            part = cut(ray, k);
+        }
+        if part.length_world > 0.0 {
+            let added = of_piece(k, part);
+            // Pieces are visited by rising value: along a falling ray each one lies in front of those before it.
+            if ray.leave >= ray.enter {
+                sum = over(sum, added);
+            } else {
+                sum = over(added, sum);
+            }
+        }
+    }
+    return blended(sum);
+}
