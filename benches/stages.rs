@@ -177,7 +177,7 @@ fn bench_sort(criterion: &mut Criterion) {
     let every = all_cells();
     throughput(&mut group, seen.cells(), 16 + 4 * size_of::<SceneVertex>() + 4);
     for key in [SortKey::Centroid, SortKey::Power] {
-        let keys = KeyMaker::new(key, &seen.view);
+        let keys = KeyMaker::new(key, &seen.view, &[]);
         let mut out: Vec<u32> = Vec::new();
         let mut stage = || {
             out.clear();
@@ -204,8 +204,7 @@ fn bench_fans(criterion: &mut Criterion) {
     let mut stage = || fans::write(&input, &cells, &mut &mut memory[..]);
     stage();
     group.bench_function("write", |b| b.iter(&mut stage));
-    let planes =
-        FanInput::new(&seen.view, &seen.mesh.dataset, &seen.vertices, &seen.screen, None, PlanesFor::AllCells);
+    let planes = FanInput::new(&seen.view, &seen.mesh.dataset, &seen.vertices, &seen.screen, None, PlanesFor::AllCells);
     let mut as_planes = memory.clone();
     group.bench_function("planes", |b| b.iter(|| fans::write(&planes, &cells, &mut &mut as_planes[..])));
     // Their values are told from those of fans by a range that runs down; slivers have fans.

@@ -4,7 +4,9 @@
 
 #[cfg(feature = "gpu")]
 mod gpu;
+mod order;
 
+use std::sync::OnceLock;
 use std::time::Instant;
 
 use crate::backends::cpu::{FanCompositor, InstructionSet, TileCompositor};
@@ -20,12 +22,12 @@ use crate::optics::{
     Absorption, Averaged, CullTable, Emission, EmissionAbsorption, Integral, Mip, Model, Optics, Pieces, Textured,
     TransferFunction,
 };
-use crate::profile::{CellStats, Exactness, OrderStats, Profile};
+use crate::profile::{CellStats, OrderStats, Profile};
 use crate::stages::classify::ProjectionClass;
 use crate::stages::project::scene_vertices;
-use crate::stages::sort::check::check_order;
+use crate::stages::sort::adjacency::Adjacency;
 use crate::stages::sort::delaunay::best_key;
-use crate::stages::sort::radix::{Pair, pair, sort};
+use crate::stages::sort::topological::Topological;
 use crate::stages::sort::{KeyMaker, SortKey, SortMethod};
 use crate::stages::{SceneVertex, View};
 
@@ -84,6 +86,8 @@ pub struct Scene {
     vertices: Vec<SceneVertex>,
     pieces: Pieces,
     best_key: SortKey,
+    /// Made when an order first asks for it.
+    adjacency: OnceLock<Adjacency>,
 }
 
 impl Scene {
@@ -92,7 +96,7 @@ impl Scene {
         let vertices = scene_vertices(&dataset, &field);
         let pieces = transfer.pieces(field.offset);
         let best_key = best_key(&dataset);
-        Self { dataset, field, vertices, pieces, best_key }
+        Self { dataset, field, vertices, pieces, best_key, adjacency: OnceLock::new() }
     }
 
     /// The mesh.
@@ -107,7 +111,13 @@ impl Scene {
 
     /// Bytes of memory that the scene takes; columns that are used in place, as those of a mapped file, count nothing.
     pub fn owned_bytes(&self) -> u64 {
-        scene_bytes(&self.dataset, &self.field, &self.vertices)
+        let adjacency = self.adjacency.get().map_or(0, Adjacency::owned_bytes);
+        scene_bytes(&self.dataset, &self.field, &self.vertices) + adjacency
+    }
+
+    /// Which cells share a face; made at the first call.
+    fn adjacency(&self, profile: &mut Profile) -> &Adjacency {
+        self.adjacency.get_or_init(|| profile.time("adjacency", || Adjacency::new(&self.dataset)))
     }
 
     /// Shows the field with another transfer function.
@@ -164,6 +174,7 @@ pub struct Renderer {
     options: RenderOptions,
     tiles: TileCompositor,
     fans: FanCompositor,
+    topological: Topological,
     #[cfg(feature = "gpu")]
     gpu: Option<GpuCompositor>,
     /// Pictures of so many pixels were found to fit into memory.
@@ -207,6 +218,9 @@ impl Renderer {
         let view = View::new(camera, &scene.dataset)?;
         self.check_memory(view.size_px)?;
         let cull_table = CullTable::new(&scene.pieces, options.model);
+        let mut profile = Profile::default();
+        let mut topological = std::mem::take(&mut self.topological);
+        let order = self.order_frame(scene, &view, &mut topological, &mut profile);
         let frame = Frame {
             dataset: &scene.dataset,
             field: &scene.field,
@@ -214,18 +228,18 @@ impl Renderer {
             pieces: &scene.pieces,
             cull_table: &cull_table,
             view: &view,
-            sort_key: self.sort_key(scene),
-            is_exact: matches!(options.sort, SortMethod::Auto | SortMethod::Exact),
+            keys: KeyMaker::new(order.key, &view, topological.layer_from_cell()),
+            is_exact: order.is_exact,
             stop_transmittance: options.stop_transmittance,
             memory_bytes: options.memory_bytes,
         };
-        let mut profile = Profile::default();
         let (image, counts) = draw(self, &frame, &mut profile)?;
         let frame_ms = start.elapsed().as_secs_f64() * 1e3;
 
-        let misordered_pairs = options.check_order.then(|| misordered_pairs(&frame));
+        let misordered_pairs = options.check_order.then(|| order::misordered_pairs(&frame));
+        self.topological = topological;
         let cells = cell_stats(&scene.dataset, &counts, self.draws_fans());
-        let order = self.order_stats(scene, &counts, misordered_pairs);
+        let order = self.order_stats(order, &counts, misordered_pairs);
         Ok(Rendered { image, cells, triangles: counts.triangles, order, profile, frame_ms })
     }
 
@@ -237,11 +251,13 @@ impl Renderer {
         }
         if options.sort == SortMethod::Exact && self.draws_fans() {
             let problem =
-                "exact checks every fragment, which fans (and GPUs) do not; use footprints, or power".to_owned();
+                "exact checks every fragment, which fans (and GPUs) do not; use footprints, or topological".to_owned();
             return Err(Error::Option { option: "--sort", problem });
         }
-        if options.memory_bytes.is_some() && (self.draws_fans() || options.check_order) {
-            let problem = "fans (and GPUs) and --check-order take all cells at once and keep no budget; leave one out";
+        let takes_all_cells = self.draws_fans() || options.check_order || options.sort == SortMethod::Topological;
+        if options.memory_bytes.is_some() && takes_all_cells {
+            let problem = "fans (and GPUs), --check-order and --sort topological take all cells at once and keep no budget; \
+                           leave one out";
             return Err(Error::Option { option: "--memory", problem: problem.to_owned() });
         }
         Ok(())
@@ -265,16 +281,6 @@ impl Renderer {
             self.checked_pixels = pixels;
         }
         Ok(())
-    }
-
-    fn sort_key(&self, scene: &Scene) -> SortKey {
-        match self.options.sort {
-            _ if self.options.model.is_order_free() => SortKey::None,
-            SortMethod::None => SortKey::None,
-            SortMethod::Centroid => SortKey::Centroid,
-            SortMethod::Power => SortKey::Power,
-            SortMethod::Auto | SortMethod::Exact => scene.best_key,
-        }
     }
 
     /// Chooses the optical model; everything below is compiled for it.
@@ -306,50 +312,6 @@ impl Renderer {
             CpuMethod::Fans => Ok(self.fans.draw(frame, optics, profile)),
         }
     }
-
-    fn order_stats(&self, scene: &Scene, counts: &Counts, misordered_pairs: Option<u64>) -> OrderStats {
-        let RenderOptions { model, sort, .. } = self.options;
-        let is_checked = !self.draws_fans();
-        let is_redone = matches!(sort, SortMethod::Auto | SortMethod::Exact);
-        let (kind, exactness) = if model.is_order_free() {
-            ("none", Exactness::Exact)
-        } else {
-            // Every fragment was compared with what its pixel had drawn, and put right. Counting alone proves nothing: a
-            // ray that ended early does not see what comes too late.
-            let is_exact = is_checked && is_redone;
-            let kind = match sort {
-                SortMethod::Auto if is_checked => SortMethod::Exact.name(),
-                SortMethod::Auto => self.sort_key(scene).name(),
-                other => other.name(),
-            };
-            (kind, if is_exact { Exactness::Exact } else { Exactness::Unverified })
-        };
-        let is_counted = is_checked && !model.is_order_free();
-        OrderStats {
-            kind,
-            exactness,
-            misordered_pairs,
-            cycles: None,
-            violations: is_counted.then_some(counts.violations),
-            tiles_redone: counts.tiles_redone,
-        }
-    }
-}
-
-/// Puts all cells in the order of the sort and counts the neighbours that stand the wrong way round.
-fn misordered_pairs(frame: &Frame) -> u64 {
-    let keys = KeyMaker::new(frame.sort_key, frame.view);
-    let mut order: Vec<Pair> = Vec::new();
-    let mut key_from_cell = Vec::new();
-    for block in 0..frame.dataset.blocks.len() {
-        let block = frame.dataset.block(block);
-        let cells: Vec<u32> = (0..block.tets.len() as u32).collect();
-        key_from_cell.clear();
-        keys.keys(&block, frame.vertices, &cells, &mut key_from_cell);
-        order.extend(key_from_cell.iter().zip(&cells).map(|(&key, &cell)| pair(key, block.base as u32 + cell)));
-    }
-    sort(&mut order, &mut Vec::new());
-    check_order(frame.dataset, frame.vertices, frame.view, &order).misordered
 }
 
 fn cell_stats(dataset: &Dataset, counts: &Counts, is_classified: bool) -> CellStats {

@@ -58,6 +58,23 @@ impl PixelBoxes {
         if nearest > self.far { None } else { self.around(a.min(b).min(c.min(d)), a.max(b).max(c.max(d))) }
     }
 
+    /// The pixels whose centres a triangle may cover, and the range of its depths from the near plane on; `None` if there is none.
+    pub fn of_triangle(&self, positions: [[f32; 3]; 3]) -> Option<(PixelBox, [f32; 2])> {
+        let corners = positions.map(|p| self.projection.project(Vec3::from_array(p)));
+        let [a, b, c] = corners;
+        let (nearest, farthest) = (a.z.min(b.z).min(c.z), a.z.max(b.z).max(c.z));
+        if farthest < self.near || nearest > self.far {
+            return None;
+        }
+        let pixels = if nearest < self.near {
+            self.across_near(positions, corners.map(|corner| corner.z))?
+        } else {
+            let [a, b, c] = corners.map(Vec3::truncate);
+            self.around(a.min(b).min(c), a.max(b).max(c))?
+        };
+        Some((pixels, [nearest.max(self.near), farthest]))
+    }
+
     /// Appends the cells among `cell_from_visible` that may cover a pixel centre, and their boxes.
     pub fn of_cells(
         &self,
@@ -101,21 +118,21 @@ impl PixelBoxes {
         Some(if is_near { whole } else { rows.y0.saturating_sub(1)..(rows.y1 + 1).min(whole.end) })
     }
 
-    /// The box around the part of a cell that lies behind the near plane.
-    fn across_near(&self, positions: [[f32; 3]; 4], depths: [f32; 4]) -> Option<PixelBox> {
+    /// The box around the part of a cell, or of a face, that lies behind the near plane.
+    fn across_near<const N: usize>(&self, positions: [[f32; 3]; N], depths: [f32; N]) -> Option<PixelBox> {
         let mut low = Vec2::INFINITY;
         let mut high = Vec2::NEG_INFINITY;
         let mut include = |p: Vec3| {
             let p = self.projection.project(p).truncate();
             (low, high) = (low.min(p), high.max(p));
         };
-        for i in 0..4 {
+        for i in 0..N {
             if depths[i] < self.near {
                 continue;
             }
             let inside = Vec3::from_array(positions[i]);
             include(inside);
-            for j in (0..4).filter(|&j| depths[j] < self.near) {
+            for j in (0..N).filter(|&j| depths[j] < self.near) {
                 // Where edge i j meets the near plane; a hair behind it, so that rounding never leaves it in front.
                 let t = (depths[i] - self.near) / (depths[i] - depths[j]);
                 include(inside + (Vec3::from_array(positions[j]) - inside) * (t * (1.0 - 1e-6)));
