@@ -21,3 +21,4 @@ mod order;
 mod parity;
 mod real;
 mod reference;
+mod topological;

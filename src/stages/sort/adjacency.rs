@@ -97,7 +97,7 @@ fn cell_and_face(side: Side) -> (usize, usize) {
     ((side[1] >> 3) as usize, (side[1] >> 1 & 3) as usize)
 }
 
-fn points_outwards(side: &&Side) -> bool {
+fn points_outwards(side: Side) -> bool {
     side[1] & 1 == 1
 }
 
@@ -179,8 +179,8 @@ fn join(starts: &[usize], sides: &mut [Side], across: &[[AtomicU32; 4]]) {
             bucket.sort_unstable();
             for face in bucket.chunk_by(|a, b| a[0] == b[0]).filter(|face| face.len() > 1) {
                 // Two, as a rule. Where more cells meet, those on either side are taken in order; one left over has no neighbour.
-                let outwards = face.iter().filter(points_outwards);
-                let inwards = face.iter().filter(|side| !points_outwards(side));
+                let outwards = face.iter().filter(|side| points_outwards(**side));
+                let inwards = face.iter().filter(|side| !points_outwards(**side));
                 for (&one, &other) in outwards.zip(inwards) {
                     for (from, to) in [(one, other), (other, one)] {
                         let (cell, k) = cell_and_face(from);

@@ -27,7 +27,8 @@ use crate::stages::{SceneVertex, View};
 /// How cells are put in order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SortMethod {
-    /// The cheapest that is exact: nothing for an order-free model, otherwise `Exact`.
+    /// The cheapest that is exact: nothing for an order-free model, otherwise `Exact` on the processor, and `Topological` for
+    /// fans there and on a GPU, whose fragments are not checked.
     #[default]
     Auto,
     /// The order of the cells in memory.

@@ -163,8 +163,8 @@ mod tests {
             let (component, count) = strongly_connected(&starts, &targets);
             // The slow twin: who reaches whom, by Warshall.
             let mut reaches = vec![vec![false; nodes]; nodes];
-            for node in 0..nodes {
-                reaches[node][node] = true;
+            for (node, reached) in reaches.iter_mut().enumerate() {
+                reached[node] = true;
             }
             for &(from, to) in &pairs {
                 reaches[from][to as usize] = true;

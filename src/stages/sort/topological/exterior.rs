@@ -187,7 +187,7 @@ impl Band {
         self.squares.clear();
         self.squares.resize(width.div_ceil(SQUARE), [f32::NEG_INFINITY, f32::INFINITY]);
         for Outline { pixels, v_range: [farthest, nearest], is_exit, .. } in outlines.clone() {
-            for [exit, entry] in &mut self.squares[squares_of(pixels)] {
+            for [exit, entry] in &mut self.squares[squares_of(*pixels)] {
                 if *is_exit {
                     *exit = exit.max(*nearest);
                 } else {
@@ -201,7 +201,7 @@ impl Band {
 
         self.events.clear();
         for outline in outlines {
-            let squares = squares_of(&outline.pixels);
+            let squares = squares_of(outline.pixels);
             if !self.squares[squares.clone()].iter().any(|&square| may_cross(square)) {
                 continue;
             }
@@ -263,7 +263,7 @@ impl Band {
     }
 }
 
-fn squares_of(pixels: &PixelBox) -> Range<usize> {
+fn squares_of(pixels: PixelBox) -> Range<usize> {
     pixels.x0 as usize / SQUARE..(pixels.x1 as usize).div_ceil(SQUARE)
 }
 

@@ -15,7 +15,7 @@ use crate::stages::sort::side::side_of_eye;
 use crate::stages::testing::{Random, corners, depths_in_cell, random_cells, ray, views};
 
 /// The cells of `mesh` whose centroid in the cube from −1 to 1 is one that `is_kept`.
-fn part(mesh: TetMesh, is_kept: impl Fn(DVec3) -> bool) -> Dataset {
+fn part(mesh: &TetMesh, is_kept: impl Fn(DVec3) -> bool) -> Dataset {
     let centroid = |tet: &[u32; 4]| tet.map(|v| mesh.points.get(v as usize)).into_iter().sum::<DVec3>() * 0.25;
     let kept: Vec<[u32; 4]> = mesh.tets.iter().filter(|tet| is_kept(centroid(tet) * 2.0 - 1.0)).copied().collect();
     let points = (0..mesh.points.len()).map(|i| (mesh.points.get(i) * 2.0 - 1.0).to_array()).collect();
@@ -41,12 +41,12 @@ fn meshes() -> Vec<(&'static str, Dataset)> {
     let mut holes = Random::new(4);
     let holes: Vec<(DVec3, f64)> = (0..20).map(|_| (holes.point(), 0.15 + 0.15 * holes.unit())).collect();
     vec![
-        ("convex", part(random_mesh(3000), |_| true)),
-        ("cavity", part(random_mesh(3000), |p| p.length() > 0.6)),
-        ("two parts", part(random_mesh(3000), |p| (p.x + 0.4 * p.y).abs() > 0.3)),
-        ("holes", part(random_mesh(6000), |p| holes.iter().all(|&(center, radius)| p.distance(center) > radius))),
+        ("convex", part(&random_mesh(3000), |_| true)),
+        ("cavity", part(&random_mesh(3000), |p| p.length() > 0.6)),
+        ("two parts", part(&random_mesh(3000), |p| (p.x + 0.4 * p.y).abs() > 0.3)),
+        ("holes", part(&random_mesh(6000), |p| holes.iter().all(|&(center, radius)| p.distance(center) > radius))),
         ("one cell", random_cells(1, 0.5, &mut random)),
-        ("jittered grid", part(jittered, |p| p.length() > 0.5)),
+        ("jittered grid", part(&jittered, |p| p.length() > 0.5)),
     ]
 }
 
