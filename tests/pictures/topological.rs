@@ -1,9 +1,10 @@
 //! Topological order on meshes that are not convex: every pixel against the reference, beside `exact`.
 
+use cellfan::columns::Association;
 use cellfan::generate::Scheme;
 use cellfan::profile::Exactness;
 use cellfan::{
-    Camera, CpuMethod, FieldSelection, Image, Model, RenderOptions, Renderer, Scene, SortMethod, TetMesh, io,
+    Camera, CpuMethod, Dataset, Field, Image, Model, RenderOptions, Renderer, Scene, SortMethod, TetMesh, io,
 };
 use glam::DVec3;
 
@@ -84,6 +85,17 @@ fn meshes_that_are_not_convex_are_right_at_every_pixel() {
     }
 }
 
+/// Values from 0 to 1 that vary everywhere; the arrays of some files do not.
+fn waves(dataset: &Dataset) -> Field {
+    let scale = 40.0 / dataset.diagonal_world();
+    let wave = |p: &[f32; 3]| 0.5 + 0.5 * (scale * f64::from(p[0] + 2.0 * p[1] + 3.0 * p[2])).sin() as f32;
+    let mut field = dataset.homogeneous_field();
+    (field.association, field.range) = (Association::Point, (0.0, 1.0));
+    field.values = dataset.positions.iter().map(wave).collect::<Vec<f32>>().into();
+    field.block_ranges.fill((0.0, 1.0));
+    field
+}
+
 /// File, and whether its cells lie apart from everywhere: those of the crushed can push through each other.
 const MESHES: &[(&str, bool)] = &[
     ("unstructured/multi_material_cylinder_plate.vtk", true),
@@ -97,13 +109,9 @@ fn real_meshes_are_those_of_the_exact_order() {
     let Some(folder) = data_folder("topological::real_meshes") else { return };
     for &(file, has_order) in MESHES {
         let dataset = io::open(&folder.join(file)).unwrap();
-        let field = match dataset.arrays.first() {
-            Some(array) => dataset.field(&FieldSelection::parse(&array.name, &dataset.arrays)).unwrap(),
-            None => dataset.homogeneous_field(),
-        };
         let (corners, diagonal) = (dataset.corners_world(), dataset.diagonal_world());
-        let transfer =
-            smooth().stretched(field.range).unwrap_or_else(|_| smooth()).scaled_extinction(4.0 / diagonal).unwrap();
+        let field = waves(&dataset);
+        let transfer = smooth().scaled_extinction(4.0 / diagonal).unwrap();
         let scene = Scene::new(dataset, field, &transfer);
         let mut cycles = 0;
         for (azimuth, elevation) in [(37.0, 22.0), (160.0, -35.0), (-80.0, 75.0)] {
