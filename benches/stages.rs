@@ -1,7 +1,7 @@
 //! One stage at a time: `stage/<stage>`, and `optics/integral`; inputs are made outside the timer, where each
 //! stage also runs once and its answer is checked.
 //!
-//! All but `sort` on large inputs run on one thread. Kernels are timed for the instruction set that the benchmark is
+//! All but `sort` on large inputs, and its `topological`, run on one thread. Kernels are timed for the instruction set that the benchmark is
 //! compiled for; the CPU backend chooses at run time. Bytes are those a stage reads and writes, once each.
 
 mod support;
@@ -21,7 +21,10 @@ use cellfan::stages::fans::{self, Fan, FanInput, PlanesFor};
 use cellfan::stages::footprints::planes::{Batch, Corners, TileRays};
 use cellfan::stages::footprints::{PixelBox, PixelBoxes};
 use cellfan::stages::project::{project, scene_vertices};
+use cellfan::stages::sort::adjacency::Adjacency;
+use cellfan::stages::sort::check::check_order;
 use cellfan::stages::sort::radix::{Pair, pair, sort, sort_coherent, sort_local};
+use cellfan::stages::sort::topological::{Layers, Topological};
 use cellfan::stages::sort::{KeyMaker, SortKey};
 use cellfan::stages::{SceneVertex, ScreenVertex, View};
 use cellfan::{Camera, Model};
@@ -259,7 +262,7 @@ fn bench_sort(criterion: &mut Criterion) {
     let every = all_cells();
     throughput(&mut group, seen.cells(), 16 + 4 * size_of::<SceneVertex>() + 4);
     for key in [SortKey::Centroid, SortKey::Power] {
-        let keys = KeyMaker::new(key, &seen.view);
+        let keys = KeyMaker::new(key, &seen.view, &[]);
         let mut out: Vec<u32> = Vec::new();
         let mut stage = || {
             out.clear();
@@ -274,6 +277,32 @@ fn bench_sort(criterion: &mut Criterion) {
         let depth = |cell: Option<usize>| cell.map_or(0.0, |i| nearest(&i).into_iter().fold(f32::INFINITY, f32::min));
         assert!(depth(first) < depth(last), "the smallest key is nearer than the largest");
     }
+}
+
+fn bench_topological(criterion: &mut Criterion) {
+    let seen = Seen::new(Kind::Delaunay);
+    let dataset = &seen.mesh.dataset;
+    let mut group = criterion.benchmark_group("stage/sort/topological");
+    group.sample_size(20);
+    throughput(&mut group, seen.cells(), 16 + 16);
+    group.bench_function("adjacency", |b| b.iter(|| Adjacency::new(black_box(dataset))));
+    let adjacency = Adjacency::new(dataset);
+    // All faces have two sides but for those of the hull, which are few.
+    let sides = adjacency.neighbours_from_cell().iter().flatten().filter(|&&other| other != Adjacency::NONE).count();
+    assert!(sides % 2 == 0 && sides + adjacency.exterior().len() == 4 * dataset.tets.len());
+    assert!(adjacency.exterior().len() < sides / 10);
+
+    throughput(&mut group, seen.cells(), 64);
+    let mut topological = Topological::default();
+    let mut stage = || topological.order(dataset, &adjacency, &seen.vertices, &seen.view);
+    let Layers { cycles, layers, .. } = stage();
+    group.bench_function("order", |b| b.iter(&mut stage));
+    let order = topological.layer_from_cell().iter().zip(0..).map(|(&layer, cell)| pair(layer, cell));
+    let mut order: Vec<Pair> = order.collect();
+    order.sort_unstable();
+    let check = check_order(dataset, &seen.vertices, &seen.view, &order);
+    assert_eq!((cycles, check.misordered, order.len() as u64), (0, 0, seen.cells()));
+    assert!(layers > 100 && check.pairs > seen.cells());
 }
 
 fn bench_fans(criterion: &mut Criterion) {
@@ -415,6 +444,7 @@ criterion_group!(
     bench_classify,
     bench_hexahedra,
     bench_sort,
+    bench_topological,
     bench_fans,
     bench_footprints,
     bench_integral

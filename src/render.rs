@@ -5,6 +5,7 @@
 mod bands;
 #[cfg(feature = "gpu")]
 mod gpu;
+mod order;
 mod scene;
 
 pub use scene::Scene;
@@ -26,12 +27,11 @@ use crate::optics::{
     Absorption, Averaged, BandDepths, BandLight, CullTable, Emission, EmissionAbsorption, Integral, Mip, Model, Optics,
     Output, Textured,
 };
-use crate::profile::{CellStats, Exactness, OrderStats, Profile};
+use crate::profile::{CellStats, OrderStats, Profile};
 use crate::stages::View;
 use crate::stages::classify::ProjectionClass;
-use crate::stages::sort::check::check_order;
-use crate::stages::sort::radix::{Pair, pair, sort};
-use crate::stages::sort::{KeyMaker, SortKey, SortMethod};
+use crate::stages::sort::topological::Topological;
+use crate::stages::sort::{KeyMaker, SortMethod};
 
 /// How the CPU composites.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -134,6 +134,7 @@ pub struct Renderer {
     options: RenderOptions,
     tiles: TileCompositor,
     fans: FanCompositor,
+    topological: Topological,
     #[cfg(feature = "gpu")]
     gpu: Option<GpuCompositor>,
     /// Pictures of so many bytes were found to fit into memory.
@@ -175,6 +176,7 @@ impl Renderer {
         draw: impl FnOnce(&mut Self, &Frame, &mut Profile) -> Result<Drawn>,
     ) -> Result<Rendered> {
         self.check_options()?;
+        self.check_cells(scene)?;
         self.check_bands(scene)?;
         let options = self.options;
         if let Some(backing) = &scene.dataset.backing {
@@ -184,6 +186,9 @@ impl Renderer {
         let view = View::new(camera, &scene.dataset)?;
         self.check_memory(view.size_px, scene.bands_of_picture(options.model))?;
         let cull_table = CullTable::new(&scene.pieces, options.model);
+        let mut profile = Profile::default();
+        let mut topological = std::mem::take(&mut self.topological);
+        let order = self.order_frame(scene, &view, &mut topological, &mut profile);
         let frame = Frame {
             dataset: &scene.dataset,
             field: &scene.field,
@@ -192,19 +197,39 @@ impl Renderer {
             bands: None,
             cull_table: &cull_table,
             view: &view,
-            sort_key: self.sort_key(scene),
-            is_exact: matches!(options.sort, SortMethod::Auto | SortMethod::Exact),
+            keys: KeyMaker::new(order.key, &view, topological.layer_from_cell()),
+            is_exact: order.is_exact,
             stop_transmittance: options.stop_transmittance,
             memory_bytes: options.memory_bytes,
         };
-        let mut profile = Profile::default();
         let (image, bands, counts) = draw(self, &frame, &mut profile)?;
         let frame_ms = start.elapsed().as_secs_f64() * 1e3;
 
-        let misordered_pairs = options.check_order.then(|| misordered_pairs(&frame));
+        let misordered_pairs = options.check_order.then(|| order::misordered_pairs(&frame));
+        self.topological = topological;
         let cells = cell_stats(&scene.dataset, &counts, self.draws_fans());
-        let order = self.order_stats(scene, &counts, misordered_pairs);
+        let order = self.order_stats(order, &counts, misordered_pairs);
         Ok(Rendered { image, bands, cells, triangles: counts.triangles, order, profile, frame_ms })
+    }
+
+    /// Whether the method can draw the scene's cells.
+    fn check_cells(&self, scene: &Scene) -> Result<()> {
+        let options = self.options;
+        let needs_tetrahedra = if self.draws_fans() {
+            "fans (and GPUs)"
+        } else if options.check_order {
+            "--check-order"
+        } else if options.sort == SortMethod::Topological && !options.model.is_order_free() {
+            "--sort topological"
+        } else {
+            return Ok(());
+        };
+        if scene.dataset.hexahedra.is_empty() {
+            return Ok(());
+        }
+        let problem =
+            format!("whole cells are drawn as footprints, in the order exact; {needs_tetrahedra} takes tetrahedra");
+        Err(Error::Option { option: "--cells", problem })
     }
 
     fn check_options(&self) -> Result<()> {
@@ -215,15 +240,17 @@ impl Renderer {
         }
         if options.sort == SortMethod::Exact && self.draws_fans() {
             let problem =
-                "exact checks every fragment, which fans (and GPUs) do not; use footprints, or power".to_owned();
+                "exact checks every fragment, which fans (and GPUs) do not; use footprints, or topological".to_owned();
             return Err(Error::Option { option: "--sort", problem });
         }
         if options.output == Output::Depth && options.model != Model::Absorption {
             let problem = format!("depth is that of the absorption model, not of {}", options.model);
             return Err(Error::Option { option: "--output", problem });
         }
-        if options.memory_bytes.is_some() && (self.draws_fans() || options.check_order) {
-            let problem = "fans (and GPUs) and --check-order take all cells at once and keep no budget; leave one out";
+        let takes_all_cells = self.draws_fans() || options.check_order || options.sort == SortMethod::Topological;
+        if options.memory_bytes.is_some() && takes_all_cells {
+            let problem = "fans (and GPUs), --check-order and --sort topological take all cells at once and keep no budget; \
+                           leave one out";
             return Err(Error::Option { option: "--memory", problem: problem.to_owned() });
         }
         Ok(())
@@ -248,16 +275,6 @@ impl Renderer {
             self.checked_bytes = bytes;
         }
         Ok(())
-    }
-
-    fn sort_key(&self, scene: &Scene) -> SortKey {
-        match self.options.sort {
-            _ if self.options.model.is_order_free() => SortKey::None,
-            SortMethod::None => SortKey::None,
-            SortMethod::Centroid => SortKey::Centroid,
-            SortMethod::Power => SortKey::Power,
-            SortMethod::Auto | SortMethod::Exact => scene.best_key,
-        }
     }
 
     /// Chooses the optical model; everything below is compiled for it.
@@ -293,50 +310,6 @@ impl Renderer {
             CpuMethod::Fans => Ok(self.fans.draw(frame, optics, profile)),
         }
     }
-
-    fn order_stats(&self, scene: &Scene, counts: &Counts, misordered_pairs: Option<u64>) -> OrderStats {
-        let RenderOptions { model, sort, .. } = self.options;
-        let is_checked = !self.draws_fans();
-        let is_redone = matches!(sort, SortMethod::Auto | SortMethod::Exact);
-        let (kind, exactness) = if model.is_order_free() {
-            ("none", Exactness::Exact)
-        } else {
-            // Every fragment was compared with what its pixel had drawn, and put right. Counting alone proves nothing: a
-            // ray that ended early does not see what comes too late.
-            let is_exact = is_checked && is_redone;
-            let kind = match sort {
-                SortMethod::Auto if is_checked => SortMethod::Exact.name(),
-                SortMethod::Auto => self.sort_key(scene).name(),
-                other => other.name(),
-            };
-            (kind, if is_exact { Exactness::Exact } else { Exactness::Unverified })
-        };
-        let is_counted = is_checked && !model.is_order_free();
-        OrderStats {
-            kind,
-            exactness,
-            misordered_pairs,
-            cycles: None,
-            violations: is_counted.then_some(counts.violations),
-            tiles_redone: counts.tiles_redone,
-        }
-    }
-}
-
-/// Puts all cells in the order of the sort and counts the neighbours that stand the wrong way round.
-fn misordered_pairs(frame: &Frame) -> u64 {
-    let keys = KeyMaker::new(frame.sort_key, frame.view);
-    let mut order: Vec<Pair> = Vec::new();
-    let mut key_from_cell = Vec::new();
-    for block in 0..frame.dataset.blocks.len() {
-        let block = frame.dataset.block(block);
-        let cells: Vec<u32> = (0..block.len() as u32).collect();
-        key_from_cell.clear();
-        keys.keys(&block, frame.vertices, &cells, &mut key_from_cell);
-        order.extend(key_from_cell.iter().zip(&cells).map(|(&key, &cell)| pair(key, block.base as u32 + cell)));
-    }
-    sort(&mut order, &mut Vec::new());
-    check_order(frame.dataset, frame.vertices, frame.view, &order).misordered
 }
 
 fn cell_stats(dataset: &Dataset, counts: &Counts, is_classified: bool) -> CellStats {

@@ -13,7 +13,6 @@ use crate::stages::cull;
 use crate::stages::fans::{self, FanInput, FanSlot, PlanesFor};
 use crate::stages::footprints::PixelBoxes;
 use crate::stages::project::project;
-use crate::stages::sort::KeyMaker;
 use crate::stages::sort::radix::{Pair, index_of, pair, sort_coherent};
 
 /// Cells that one thread makes fans of at a time.
@@ -80,7 +79,6 @@ impl DrawOrder {
     fn cull_and_key(&mut self, frame: &Frame, is_ordered: bool, profile: &mut Profile) -> Counts {
         let start = Instant::now();
         let boxes = PixelBoxes::new(frame.view);
-        let keys = KeyMaker::new(frame.sort_key, frame.view);
         let screen = &self.screen[..];
         let per_block: Vec<(Vec<Pair>, Counts)> = (0..frame.dataset.blocks.len())
             .into_par_iter()
@@ -91,7 +89,7 @@ impl DrawOrder {
                     cull::cull(&view, frame.field, screen, (frame.intervals(), frame.cull_table), &mut visible);
                 boxes.of_cells(&view, frame.vertices, screen, &visible, &mut projected, &mut areas);
                 let mut key_from_projected = Vec::with_capacity(projected.len());
-                keys.keys(&view, frame.vertices, &projected, &mut key_from_projected);
+                frame.keys.keys(&view, frame.vertices, &projected, &mut key_from_projected);
                 let counts = Counts {
                     drawn: projected.len() as u64,
                     culled_transparent: culled.transparent,

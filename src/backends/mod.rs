@@ -11,7 +11,7 @@ pub mod gpu;
 use crate::columns::{Association, Dataset, Field};
 use crate::optics::{BandPiece, CullTable, Intervals, Pieces};
 use crate::stages::classify::ProjectionClass;
-use crate::stages::sort::SortKey;
+use crate::stages::sort::KeyMaker;
 use crate::stages::{SceneVertex, View};
 
 /// Everything a backend reads for one frame.
@@ -32,7 +32,7 @@ pub struct Frame<'a> {
     /// The camera.
     pub view: &'a View,
     /// What cells are sorted by; nothing where the optical model asks for no order.
-    pub sort_key: SortKey,
+    pub keys: KeyMaker<'a>,
     /// Whether fragments found out of order are put right; otherwise they are only counted.
     pub is_exact: bool,
     /// A ray ends below this transmittance; 0 never ends one.

@@ -189,6 +189,8 @@ fn draws_whole(arguments: &Arguments, backend: &Backend) -> cellfan::Result<bool
         Some("--cpu-method fans")
     } else if arguments.check_order {
         Some("--check-order")
+    } else if arguments.sort == SortMethod::Topological {
+        Some("--sort topological")
     } else {
         None
     };
@@ -215,11 +217,15 @@ fn one_mesh(arguments: &Arguments) -> cellfan::Result<&Path> {
 fn options(arguments: &Arguments, path: &Path) -> cellfan::Result<RenderOptions> {
     // The renderer would refuse it too, but only when the mesh has been read.
     if arguments.sort == SortMethod::Exact && arguments.cpu_method == CpuMethod::Fans {
-        let problem = "exact needs --cpu-method footprints; with fans say --sort power".to_owned();
+        let problem = "exact needs --cpu-method footprints; with fans say --sort topological".to_owned();
         return Err(Error::Option { option: "--sort", problem });
     }
-    if arguments.memory.is_some() && (arguments.cpu_method == CpuMethod::Fans || arguments.check_order) {
-        let problem = "--cpu-method fans and --check-order take all cells at once and keep no budget".to_owned();
+    let takes_all_cells =
+        arguments.cpu_method == CpuMethod::Fans || arguments.check_order || arguments.sort == SortMethod::Topological;
+    if arguments.memory.is_some() && takes_all_cells {
+        let problem =
+            "--cpu-method fans, --check-order and --sort topological take all cells at once and keep no budget"
+                .to_owned();
         return Err(Error::Option { option: "--memory", problem });
     }
     if arguments.output == Output::Depth && Format::from_path(path)? == Format::Png {

@@ -11,8 +11,8 @@ impl Renderer {
     /// A renderer that draws on `gpu`, in at most `memory_bytes` of its memory
     /// ([`GpuCompositor::MEMORY_BYTES`] is a good amount); a mesh of any size flows through them.
     ///
-    /// Cells are drawn as triangle fans in the order of their keys, which is not verified: `cpu_method` and `stop_transmittance`
-    /// have no effect.
+    /// Cells are drawn as triangle fans, with [`SortMethod::Auto`](crate::SortMethod::Auto) in their topological order, which is
+    /// exact where it finds no cycle: `cpu_method` and `stop_transmittance` have no effect.
     ///
     /// ```no_run
     /// use cellfan::{RenderOptions, Renderer, backends::gpu::{Gpu, GpuCompositor}};

@@ -1,12 +1,16 @@
 //! `Scene`: a mesh, the scalar drawn on it, and what the scalar looks like, in the form in which stages read it.
 
+use std::sync::OnceLock;
+
 use crate::backends::scene_bytes;
 use crate::columns::{Association, Dataset, Field};
 use crate::error::{Error, Result};
 use crate::optics::{BandPasses, BandPoint, BandTable, Model, Pieces, TransferFunction};
+use crate::profile::Profile;
 use crate::stages::SceneVertex;
 use crate::stages::project::scene_vertices;
 use crate::stages::sort::SortKey;
+use crate::stages::sort::adjacency::Adjacency;
 use crate::stages::sort::delaunay::best_key;
 
 /// A mesh, the scalar drawn on it, and what the scalar looks like.
@@ -20,6 +24,8 @@ pub struct Scene {
     pub(super) transfer: TransferFunction,
     pub(super) best_key: SortKey,
     pub(super) bands: Option<SceneBands>,
+    /// Made when an order first asks for it.
+    adjacency: OnceLock<Adjacency>,
 }
 
 /// Where the extinctions of bands come from.
@@ -47,7 +53,16 @@ impl Scene {
         let vertices = scene_vertices(&dataset, &field);
         let pieces = transfer.pieces(field.offset);
         let best_key = best_key(&dataset);
-        Self { dataset, field, vertices, pieces, transfer: transfer.clone(), best_key, bands: None }
+        Self {
+            dataset,
+            field,
+            vertices,
+            pieces,
+            transfer: transfer.clone(),
+            best_key,
+            bands: None,
+            adjacency: OnceLock::new(),
+        }
     }
 
     /// Gives wavelength bands extinctions of their own, as functions of the field's scalar.
@@ -113,7 +128,13 @@ impl Scene {
 
     /// Bytes of memory that the scene takes; columns that are used in place, as those of a mapped file, count nothing.
     pub fn owned_bytes(&self) -> u64 {
-        scene_bytes(&self.dataset, &self.field, &self.vertices) + self.band_bytes()
+        let adjacency = self.adjacency.get().map_or(0, Adjacency::owned_bytes);
+        scene_bytes(&self.dataset, &self.field, &self.vertices) + self.band_bytes() + adjacency
+    }
+
+    /// Which cells share a face; made at the first call.
+    pub(super) fn adjacency(&self, profile: &mut Profile) -> &Adjacency {
+        self.adjacency.get_or_init(|| profile.time("adjacency", || Adjacency::new(&self.dataset)))
     }
 
     /// What the arrays of bands take of that.

@@ -23,7 +23,7 @@ fn a_gpu_draws_and_says_so() {
     let stats: serde_json::Value = serde_json::from_slice(&place.read("stats.json")).unwrap();
     assert_eq!(stats["backend"], json!("gpu"));
     assert!(ran.err.contains(stats["adapter"].as_str().unwrap()));
-    assert_eq!(stats["order"]["exactness"], json!("unverified"));
+    assert_eq!(stats["order"]["exactness"], json!("exact"));
     let by_class = &stats["cells"]["by_class"];
     assert!(by_class["class1"].as_u64().unwrap() > 0 && by_class["class2"].as_u64().unwrap() > 0);
     for stage in ["project", "cull", "sort", "fans", "submit", "wait_for_gpu", "read_back"] {

@@ -32,9 +32,15 @@ fn every_model_and_method_draws() {
             assert!((0.1..0.9).contains(&covered), "{model} {method}: {covered}");
         }
     }
-    for more in
-        ["--integral average", "--integral texture", "--sort none", "--sort centroid", "--sort power", "--stop 0"]
-    {
+    for more in [
+        "--integral average",
+        "--integral texture",
+        "--sort none",
+        "--sort centroid",
+        "--sort power",
+        "--sort topological",
+        "--stop 0",
+    ] {
         place.render(&format!("-o out.png {more}")).succeeds();
         assert!(covered(&place.path("out.png")) > 0.1, "{more}");
     }

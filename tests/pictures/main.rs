@@ -26,3 +26,4 @@ mod parity;
 mod polyhedron;
 mod real;
 mod reference;
+mod topological;

@@ -4,8 +4,8 @@ use cellfan::columns::{Array, Association, CellCounts};
 use cellfan::generate::Scheme;
 use cellfan::profile::Exactness;
 use cellfan::{
-    Camera, Dataset, FieldSelection, Model, Points, Projection, RenderOptions, Renderer, Scene, SortMethod, TetMesh,
-    TransferFunction,
+    Camera, CpuMethod, Dataset, FieldSelection, Model, Points, Projection, RenderOptions, Renderer, Scene, SortMethod,
+    TetMesh, TransferFunction,
 };
 use glam::DVec3;
 
@@ -101,7 +101,7 @@ fn check_opaque(case: &Case, small_at: DVec3, deceived: SortMethod) {
         for extinction in [1.0, 300.0] {
             let points = [0.0, 1.0, 2.0].into_iter().zip(colors).map(|(s, color)| point(s, color, extinction));
             let transfer = TransferFunction::new(points.collect()).unwrap();
-            for sort in [SortMethod::Power, SortMethod::Centroid, SortMethod::Auto, SortMethod::Exact] {
+            for sort in SortMethod::ALL {
                 let options = RenderOptions { sort, ..RenderOptions::default() };
                 let rendered = case.render(options, &transfer, &camera);
                 let errors = rays.errors(&rendered.image, Model::EmissionAbsorption, &transfer, usize::MAX);
@@ -169,6 +169,12 @@ fn cells_that_overlap_in_a_cycle() {
             let errors = errors(sort);
             println!("{sort}: {errors}");
             assert!(errors.pixels > 3000 && errors.are_small(), "{sort}: {errors}");
+        }
+        // A graph of cells has no order either, and says so.
+        for cpu_method in [CpuMethod::Footprints, CpuMethod::Fans] {
+            let options = RenderOptions { sort: SortMethod::Topological, cpu_method, ..RenderOptions::default() };
+            let order = case.render(options, &transfer, &camera).order;
+            assert_eq!((order.exactness, order.cycles), (Exactness::CyclesBroken(1), Some(1)));
         }
     }
 }

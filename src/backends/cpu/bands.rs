@@ -96,7 +96,7 @@ impl Bins {
         let band = grid.tiles(&rows);
         (self.grid, self.rows) = (grid, rows.clone());
         // Equal keys all along: the order of memory is still to be made.
-        self.is_shuffled = projector.frame.sort_key == SortKey::None;
+        self.is_shuffled = projector.frame.keys.key() == SortKey::None;
         self.starts.clear();
         let mut next = 0;
         for &pairs in &census.pairs_from_tile[band.clone()] {

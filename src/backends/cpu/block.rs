@@ -11,7 +11,6 @@ use crate::columns::BlockView;
 use crate::stages::ScreenVertex;
 use crate::stages::cull::{self, Culled};
 use crate::stages::footprints::{PixelBox, PixelBoxes};
-use crate::stages::sort::KeyMaker;
 use crate::stages::sort::radix::{Pair, pair};
 
 /// What cells are projected with, for one view.
@@ -20,13 +19,11 @@ pub(super) struct Projector<'a> {
     pub(super) frame: &'a Frame<'a>,
     pub(super) screen: &'a [ScreenVertex],
     pub(super) boxes: PixelBoxes,
-    pub(super) keys: KeyMaker,
 }
 
 impl<'a> Projector<'a> {
     pub(super) fn new(frame: &'a Frame<'a>, screen: &'a [ScreenVertex]) -> Self {
-        let (boxes, keys) = (PixelBoxes::new(frame.view), KeyMaker::new(frame.sort_key, frame.view));
-        Self { frame, screen, boxes, keys }
+        Self { frame, screen, boxes: PixelBoxes::new(frame.view) }
     }
 
     /// The rows of tiles that block `block` may touch; `None` where none of its cells can show, and then it is counted.
@@ -116,7 +113,8 @@ impl BlockCells {
     pub(super) fn for_each(&mut self, projector: &Projector, block: &BlockView, mut place: impl FnMut(Pair, TileBox)) {
         let start = Instant::now();
         self.key_from_projected.clear();
-        projector.keys.keys(block, projector.frame.vertices, &self.cell_from_projected, &mut self.key_from_projected);
+        let Frame { keys, vertices, .. } = projector.frame;
+        keys.keys(block, vertices, &self.cell_from_projected, &mut self.key_from_projected);
         let keyed = Instant::now();
         for ((&cell, &key), area) in self.cell_from_projected.iter().zip(&self.key_from_projected).zip(&self.boxes) {
             place(pair(key, (block.base + cell as usize) as u32), TileBox::around(*area));

@@ -137,7 +137,7 @@ impl Worker {
             out.fill(task.optics.pixel(O::CLEAR));
             return drawn;
         }
-        if task.frame.sort_key != SortKey::None {
+        if task.frame.keys.key() != SortKey::None {
             sort_local(&mut self.order, &mut self.scratch);
         }
         let sorted = Instant::now();
@@ -151,7 +151,7 @@ impl Worker {
                 *pixel = task.optics.pixel(contribution);
             }
         } else if O::IS_ORDERED && task.frame.is_exact {
-            let late_blocks = if task.frame.sort_key == SortKey::Power {
+            let late_blocks = if task.frame.keys.key() == SortKey::Power {
                 blend(task, &frame, (&self.order, &mut self.hits), &mut self.holding_by_power, &mut drawn.counts, out)
             } else {
                 blend(task, &frame, (&self.order, &mut self.hits), &mut self.holding, &mut drawn.counts, out)

@@ -68,6 +68,23 @@ impl PixelBoxes {
         self.around(low, high)
     }
 
+    /// The pixels whose centres a triangle may cover, and the range of its depths from the near plane on; `None` if there is none.
+    pub fn of_triangle(&self, positions: [[f32; 3]; 3]) -> Option<(PixelBox, [f32; 2])> {
+        let corners = positions.map(|p| self.projection.project(Vec3::from_array(p)));
+        let [a, b, c] = corners;
+        let (nearest, farthest) = (a.z.min(b.z).min(c.z), a.z.max(b.z).max(c.z));
+        if farthest < self.near || nearest > self.far {
+            return None;
+        }
+        let pixels = if nearest < self.near {
+            self.across_near(positions, corners.map(|corner| corner.z))?
+        } else {
+            let [a, b, c] = corners.map(Vec3::truncate);
+            self.around(a.min(b).min(c), a.max(b).max(c))?
+        };
+        Some((pixels, [nearest.max(self.near), farthest]))
+    }
+
     /// Appends the cells among `cell_from_visible` that may cover a pixel centre, and their boxes.
     pub fn of_cells(
         &self,
@@ -124,7 +141,7 @@ impl PixelBoxes {
         Some(if is_near { whole } else { rows.y0.saturating_sub(1)..(rows.y1 + 1).min(whole.end) })
     }
 
-    /// The box around the part of a cell that lies behind the near plane.
+    /// The box around the part of a cell, or of a face, that lies behind the near plane.
     fn across_near<const N: usize>(&self, positions: [[f32; 3]; N], depths: [f32; N]) -> Option<PixelBox> {
         let mut low = Vec2::INFINITY;
         let mut high = Vec2::NEG_INFINITY;

@@ -4,12 +4,12 @@
 //! eye's side of the face comes first; the side is decided exactly (Shewchuk's predicate), a face seen edge-on constrains
 //! nothing.
 
-use glam::DVec3;
 use rayon::prelude::*;
 
 use super::Toward;
 use super::neighbours::neighbours;
 use super::radix::{Pair, index_of};
+use super::side::side_of_eye;
 use crate::columns::Dataset;
 use crate::stages::{SceneVertex, View};
 
@@ -49,16 +49,6 @@ pub fn check_order(dataset: &Dataset, vertices: &[SceneVertex], view: &View, ord
         })
 }
 
-/// Positive where the eye lies on the side that (b−a)×(c−a) points to.
-fn side_of_eye([a, b, c]: [DVec3; 3], toward: Toward) -> f64 {
-    let coord = |p: DVec3| robust::Coord3D { x: p.x, y: p.y, z: p.z };
-    match toward {
-        Toward::Eye(eye) => -robust::orient3d(coord(a), coord(b), coord(c), coord(eye)),
-        // The eye lies against the direction of the rays.
-        Toward::Along(direction) => -(b - a).cross(c - a).dot(direction),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use glam::Vec3;
@@ -73,7 +63,7 @@ mod tests {
     use crate::stages::testing::views;
 
     fn checked(dataset: &Dataset, vertices: &[SceneVertex], key: SortKey, view: &View) -> OrderCheck {
-        let keys = KeyMaker::new(key, view);
+        let keys = KeyMaker::new(key, view, &[]);
         let mut order = Vec::new();
         for block in (0..dataset.blocks.len()).map(|block| dataset.block(block)) {
             let cells: Vec<u32> = (0..block.len() as u32).collect();

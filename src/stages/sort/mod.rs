@@ -1,15 +1,19 @@
 //! `sort`: the order in which cells are composited, nearest first.
 //!
-//! In: a block's visible cells and the view. Out: one `u32` key per cell (`centroid`, `power`), smaller is nearer; where a
-//! backend wants one global order, `projected_from_drawn` by [`radix`]; [`check`] counts what an order got wrong.
+//! In: a block's visible cells and the view. Out: one `u32` key per cell, smaller is nearer: a depth (`centroid`, `power`), or the
+//! cell's layer in an order of the whole mesh (`topological`, made once a frame from its `adjacency`); where a backend wants one
+//! global order, `projected_from_drawn` by [`radix`]; [`check`] counts what an order got wrong.
 //! To add a key: a file with a function from a cell's corners to a depth, and its line in [`SortMethod`], [`SortKey`] and [`KeyMaker`].
 
+pub mod adjacency;
 pub mod centroid;
 pub mod check;
 pub mod delaunay;
 mod neighbours;
 pub mod power;
 pub mod radix;
+mod side;
+pub mod topological;
 
 use std::fmt;
 use std::str::FromStr;
@@ -23,7 +27,8 @@ use crate::stages::{SceneVertex, View};
 /// How cells are put in order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SortMethod {
-    /// The cheapest that is exact: nothing for an order-free model, otherwise `Exact`.
+    /// The cheapest that is exact: nothing for an order-free model, otherwise `Exact` on the processor, and `Topological` for
+    /// fans there and on a GPU, whose fragments are not checked.
     #[default]
     Auto,
     /// The order of the cells in memory.
@@ -32,6 +37,8 @@ pub enum SortMethod {
     Centroid,
     /// Power distance to the circumsphere; exact for a Delaunay mesh of a convex domain.
     Power,
+    /// Williams' order by the graph of shared faces and of what rays meet next; exact where it has no cycle, which is reported.
+    Topological,
     /// Right for any set of disjoint cells, cycles included: the better of the two keys for the mesh, every fragment
     /// checked against what its pixel has drawn, and where that fails the fragments sorted per pixel.
     Exact,
@@ -39,7 +46,7 @@ pub enum SortMethod {
 
 impl SortMethod {
     /// All methods, in the order of the documentation.
-    pub const ALL: [Self; 5] = [Self::Auto, Self::None, Self::Centroid, Self::Power, Self::Exact];
+    pub const ALL: [Self; 6] = [Self::Auto, Self::None, Self::Centroid, Self::Power, Self::Topological, Self::Exact];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
@@ -48,6 +55,7 @@ impl SortMethod {
             Self::None => "none",
             Self::Centroid => "centroid",
             Self::Power => "power",
+            Self::Topological => "topological",
             Self::Exact => "exact",
         }
     }
@@ -79,6 +87,8 @@ pub enum SortKey {
     Centroid,
     /// See [`power`].
     Power,
+    /// See [`topological`].
+    Topological,
 }
 
 impl SortKey {
@@ -88,28 +98,42 @@ impl SortKey {
             Self::None => SortMethod::None.name(),
             Self::Centroid => SortMethod::Centroid.name(),
             Self::Power => SortMethod::Power.name(),
+            Self::Topological => SortMethod::Topological.name(),
         }
     }
 }
 
 /// The key of a cell, for one view.
 #[derive(Clone, Copy, Debug)]
-pub enum KeyMaker {
+pub enum KeyMaker<'a> {
     /// No order: cells stay in memory order.
     None,
     /// See [`centroid`].
     Centroid(centroid::Centroid),
     /// See [`power`].
     Power(power::Power),
+    /// The layer of each cell of the dataset; see [`topological`].
+    Layers(&'a [u32]),
 }
 
-impl KeyMaker {
-    /// The keys of one view.
-    pub fn new(key: SortKey, view: &View) -> Self {
+impl<'a> KeyMaker<'a> {
+    /// The keys of one view; `layer_from_cell` is what [`topological`] found for it, which other keys do not read.
+    pub fn new(key: SortKey, view: &View, layer_from_cell: &'a [u32]) -> Self {
         match key {
             SortKey::None => Self::None,
             SortKey::Centroid => Self::Centroid(centroid::Centroid::new(view)),
             SortKey::Power => Self::Power(power::Power::new(view)),
+            SortKey::Topological => Self::Layers(layer_from_cell),
+        }
+    }
+
+    /// What they order by.
+    pub fn key(&self) -> SortKey {
+        match self {
+            Self::None => SortKey::None,
+            Self::Centroid(_) => SortKey::Centroid,
+            Self::Power(_) => SortKey::Power,
+            Self::Layers(_) => SortKey::Topological,
         }
     }
 
@@ -144,6 +168,9 @@ impl KeyMaker {
                     [0, 2, 5, 7].map(|i: usize| corners[i])
                 };
                 key_from_visible.extend(cells.map(|cell| key_of_depth(power.depth(corners(cell)) as f32)));
+            }
+            (Self::Layers(layer_from_cell), _) => {
+                key_from_visible.extend(cells.map(|&cell| layer_from_cell[block.base + cell as usize]));
             }
         }
     }

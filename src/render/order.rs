@@ -1,0 +1,94 @@
+//! The order of a frame: what it is asked for, which sort gives it, and how far it can be trusted.
+
+use std::time::Instant;
+
+use super::{Renderer, Scene};
+use crate::backends::{Counts, Frame};
+use crate::profile::{Exactness, OrderStats, Profile};
+use crate::stages::View;
+use crate::stages::sort::check::check_order;
+use crate::stages::sort::radix::{Pair, pair, sort};
+use crate::stages::sort::topological::{Layers, Topological};
+use crate::stages::sort::{SortKey, SortMethod};
+
+/// How the cells of one frame are put in order.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FrameOrder {
+    /// What cells are sorted by.
+    pub(super) key: SortKey,
+    /// Whether fragments found out of order are put right; otherwise they are only counted.
+    pub(super) is_exact: bool,
+    /// What the topological order came to, where that is the key.
+    layers: Option<Layers>,
+}
+
+impl Renderer {
+    /// Chooses the order of a frame and makes what its keys are read from.
+    ///
+    /// `auto` takes what is exact: on the processor fragments are checked and put right, which costs less than a graph of the mesh
+    /// and needs no conditions; fans, on a GPU or not, are checked by nobody and take the topological order.
+    pub(super) fn order_frame(
+        &self,
+        scene: &Scene,
+        view: &View,
+        topological: &mut Topological,
+        profile: &mut Profile,
+    ) -> FrameOrder {
+        let by = |key| FrameOrder { key, is_exact: false, layers: None };
+        match self.options.sort {
+            _ if self.options.model.is_order_free() => by(SortKey::None),
+            SortMethod::None => by(SortKey::None),
+            SortMethod::Centroid => by(SortKey::Centroid),
+            SortMethod::Power => by(SortKey::Power),
+            SortMethod::Auto if !self.draws_fans() => FrameOrder { is_exact: true, ..by(scene.best_key) },
+            SortMethod::Exact => FrameOrder { is_exact: true, ..by(scene.best_key) },
+            SortMethod::Auto | SortMethod::Topological => {
+                let adjacency = scene.adjacency(profile);
+                let start = Instant::now();
+                let layers = topological.order(&scene.dataset, adjacency, &scene.vertices, view);
+                profile.add("topological", start.elapsed(), scene.dataset.tets.len() as u64 * 64);
+                FrameOrder { layers: Some(layers), ..by(SortKey::Topological) }
+            }
+        }
+    }
+
+    /// What is said of the order of a frame that was drawn.
+    pub(super) fn order_stats(&self, order: FrameOrder, counts: &Counts, misordered_pairs: Option<u64>) -> OrderStats {
+        let is_ordered = !self.options.model.is_order_free();
+        let is_counted = is_ordered && !self.draws_fans();
+        let violations = is_counted.then_some(counts.violations);
+        let exactness = match order.layers {
+            Some(Layers { cycles, .. }) if cycles > 0 => Exactness::CyclesBroken(cycles),
+            // Built from the graph of what lies before what.
+            Some(_) => Exactness::Exact,
+            // Every fragment was compared with what its pixel had drawn, and put right. Counting alone proves nothing: a
+            // ray that ended early does not see what comes too late.
+            None if order.is_exact || !is_ordered => Exactness::Exact,
+            None => Exactness::Unverified,
+        };
+        OrderStats {
+            kind: if order.is_exact { SortMethod::Exact.name() } else { order.key.name() },
+            exactness,
+            misordered_pairs,
+            cycles: order.layers.map(|layers| layers.cycles),
+            layers: order.layers.map(|layers| layers.layers),
+            violations,
+            tiles_redone: counts.tiles_redone,
+        }
+    }
+}
+
+/// Puts all cells in the order of the sort and counts the neighbours that stand the wrong way round.
+pub(super) fn misordered_pairs(frame: &Frame) -> u64 {
+    let mut order: Vec<Pair> = Vec::new();
+    let mut key_from_cell = Vec::new();
+    for block in 0..frame.dataset.blocks.len() {
+        let block = frame.dataset.block(block);
+        let cells: Vec<u32> = (0..block.len() as u32).collect();
+        key_from_cell.clear();
+        frame.keys.keys(&block, frame.vertices, &cells, &mut key_from_cell);
+        order.extend(key_from_cell.iter().zip(&cells).map(|(&key, &cell)| pair(key, block.base as u32 + cell)));
+    }
+    sort(&mut order, &mut Vec::new());
+    check_order(frame.dataset, frame.vertices, frame.view, &order).misordered
+}
