@@ -4,7 +4,7 @@ use super::super::assemble::{GHOST_TYPE, HIDDEN_POINT};
 use super::super::expansion::Expansion;
 use super::super::numbers::points_from;
 use super::super::scratch::collect;
-use super::super::structured::cells_of;
+use super::super::structured::{cells_of, points_of};
 use super::super::{StructuredMesh, rectilinear};
 use super::attributes::Attributes;
 use super::cursor::Cursor;
@@ -85,7 +85,7 @@ impl Grid {
     fn finish(self, points: Points, blanked: Option<Array>, cursor: &Cursor<'_>) -> Result<StructuredMesh> {
         let Self { dims, attributes } = self;
         let source = cursor.source;
-        if super::super::structured::points_of(dims) != Some(points.len()) {
+        if points_of(dims) != Some(points.len()) {
             let problem = format!("are {dims:?}, but there are {} points: damaged or truncated", points.len());
             return Err(source.malformed("DIMENSIONS", problem));
         }
