@@ -68,7 +68,7 @@ impl FrameWriter {
     /// Writes the next frame.
     ///
     /// # Errors
-    /// As [`Image::save`]; [`Error::Encode`] where there are more frames than were announced or where a frame of a
+    /// As [`Picture::save`]; [`Error::Encode`] where there are more frames than were announced or where a frame of a
     /// stack has another size than the first.
     pub fn push(&mut self, image: &impl Picture) -> Result<()> {
         if self.pushed == self.frames {

@@ -31,25 +31,16 @@ impl Renderer {
             (Model::EmissionAbsorption, _) if self.options.integral != Integral::Exact => {
                 format!("--integral {} knows no bands; leave it out", self.options.integral)
             }
-            (Model::EmissionAbsorption, _) => return self.check_device(),
+            (Model::EmissionAbsorption, _) => {
+                #[cfg(feature = "gpu")]
+                self.check_blends_by_channel()?;
+                return Ok(());
+            }
             (model @ (Model::Emission | Model::Mip), _) => {
                 format!("{model} has no bands; choose absorption or emission-absorption")
             }
         };
         Err(Error::Option { option: "--bands", problem })
-    }
-
-    /// Whether what draws can dim each channel on its own.
-    fn check_device(&self) -> Result<()> {
-        #[cfg(feature = "gpu")]
-        if let Some(gpu) = self.gpu()
-            && !gpu.blends_by_channel()
-        {
-            let problem =
-                format!("{} cannot dim each channel on its own, as --bands asks; draw on the CPU", gpu.adapter());
-            return Err(Error::Option { option: "--backend gpu", problem });
-        }
-        Ok(())
     }
 
     /// Draws all passes of the scene's bands.

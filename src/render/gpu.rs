@@ -30,6 +30,18 @@ impl Renderer {
         self.gpu.as_ref().map(GpuCompositor::gpu)
     }
 
+    /// Whether what draws can dim each channel on its own.
+    pub(super) fn check_blends_by_channel(&self) -> Result<()> {
+        match self.gpu() {
+            Some(gpu) if !gpu.blends_by_channel() => {
+                let adapter = gpu.adapter();
+                let problem = format!("{adapter} cannot dim each channel on its own, as --bands asks; draw on the CPU");
+                Err(Error::Option { option: "--backend gpu", problem })
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Draws one frame into `texture`, a render attachment of the camera's size on the renderer's own device
     /// ([`Gpu::from_device`]), and waits for it. Pixels are those of [`Renderer::render`], as linear values; the image that comes
     /// back is empty.
