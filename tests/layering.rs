@@ -17,8 +17,8 @@ const TIERS: &[&[&str]] = &[
     &["cli", "capi", "main"],
 ];
 
-/// Pairs (user, used) within a tier: errors are everyone's, files are written through `atomic`, and the kinds of cells
-/// know points as columns hold them.
+/// Pairs (user, used) within a tier: errors are everyone's, files are written through `atomic`, and columns know the faces
+/// of the kinds of cells.
 const WITHIN: &[(&str, &str)] = &[
     ("profile", "error"),
     ("image", "error"),
@@ -28,7 +28,7 @@ const WITHIN: &[(&str, &str)] = &[
     ("image", "memory"),
     ("profile", "atomic"),
     ("image", "atomic"),
-    ("cells", "columns"),
+    ("columns", "cells"),
     ("main", "cli"),
 ];
 

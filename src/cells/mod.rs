@@ -5,7 +5,6 @@
 //! To add a kind: a file with its table of faces, its line in [`KINDS`] and, for its higher-order relatives, their
 //! lines in `codes.rs`.
 
-mod canonical;
 mod codes;
 mod diagonals;
 mod hexahedron;
@@ -16,7 +15,6 @@ mod triangles;
 mod voxel;
 mod wedge;
 
-pub use canonical::canonical_from_point;
 pub use codes::{CellClass, Nodes, classify};
 pub use diagonals::diagonals;
 pub use hexahedron::HEXAHEDRON;

@@ -4,7 +4,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 
 use super::*;
-use crate::columns::Points;
+use crate::columns::{Points, canonical_from_point};
 
 /// The corners of each kind as a convex cell of known volume, in VTK's order and orientation.
 fn unit_cell(kind: &CellKind) -> (Vec<DVec3>, f64) {

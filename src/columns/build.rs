@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::placement::{Placement, orientation_of};
 use super::spatial_order::{self, Numbering, UNUSED};
 use super::{Array, Association, Block, Bounds, CellCounts, Column, Dataset, HexShape, Hexahedra};
-use crate::cells::canonical_from_point;
+use crate::columns::canonical_from_point;
 use crate::error::{Error, Result};
 
 /// Point coordinates as a file holds them.

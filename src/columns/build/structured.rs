@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::{Points, check_arrays, describe};
-use crate::cells::canonical_from_point;
+use crate::columns::canonical_from_point;
 use crate::columns::placement::Placement;
 use crate::columns::{
     Array, BitColumn, Block, Bounds, CellCounts, Dataset, HexShape, Hexahedra, HexahedraView, StructuredBlock,

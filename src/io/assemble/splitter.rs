@@ -2,21 +2,21 @@
 
 use super::super::scratch::{Growing, Scratch};
 use crate::cells::{self, CellKind};
-use crate::columns::{Column, Points};
+use crate::columns::{Column, Points, canonical_from_point};
 use crate::error::Result;
 
 /// The tetrahedra so far, each with the cell that it is of.
 pub(super) struct Splitter<'a> {
     points: &'a Points,
-    /// Empty until the first cell is split.
-    canonical_from_point: Vec<u32>,
+    /// For each point the lowest at the same place; empty until the first cell is split.
+    canonical: Vec<u32>,
     tets: Growing<'a, [u32; 4]>,
     file_from_tet: Growing<'a, u32>,
 }
 
 impl<'a> Splitter<'a> {
     pub(super) fn of(points: &'a Points, scratch: &'a Scratch) -> Self {
-        Self { points, canonical_from_point: Vec::new(), tets: scratch.column(), file_from_tet: scratch.column() }
+        Self { points, canonical: Vec::new(), tets: scratch.column(), file_from_tet: scratch.column() }
     }
 
     /// Adds cell `cell`, which is a tetrahedron.
@@ -27,11 +27,11 @@ impl<'a> Splitter<'a> {
 
     /// Adds the tetrahedra of cell `cell`, whose corners are all points of the mesh.
     pub(super) fn split(&mut self, kind: &CellKind, corners: &[u32], cell: usize) -> Result<()> {
-        let Self { points, canonical_from_point, tets, file_from_tet } = self;
-        if canonical_from_point.is_empty() {
-            *canonical_from_point = cells::canonical_from_point(points);
+        let Self { points, canonical, tets, file_from_tet } = self;
+        if canonical.is_empty() {
+            *canonical = canonical_from_point(points);
         }
-        let canonical = |point: u32| canonical_from_point[point as usize];
+        let canonical = |point: u32| canonical[point as usize];
         let mut pushed = Ok(());
         cells::split(kind, corners, canonical, |tet| {
             if pushed.is_ok() {

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::columns::Points;
+use super::Points;
 
 /// For each point the lowest point with the same coordinates; 0 and −0 are the same, everything else must be bit-equal.
 ///
@@ -13,7 +13,7 @@ use crate::columns::Points;
 /// If there are more points than `u32` can name.
 ///
 /// ```
-/// # use cellfan::{cells::canonical_from_point, columns::Points};
+/// # use cellfan::columns::{Points, canonical_from_point};
 /// let points = Points::F32(vec![[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, -0.0, 0.0]]);
 /// assert_eq!(canonical_from_point(&points), [0, 1, 0]);
 /// ```
