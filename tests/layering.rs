@@ -195,7 +195,7 @@ fn the_checker_can_complain() {
     let complaint = |path: &str, text: &str| problems(Path::new(path), text).join("; ");
     let bad = [
         ("columns/build.rs", "use crate::stages::View;\n", "columns may not use stages, which stands above it"),
-        ("columns/build.rs", "use crate::cells::KINDS;\n", "columns may not use cells, which stands beside it"),
+        ("cells/split.rs", "use crate::columns::Field;\n", "cells may not use columns, which stands beside it"),
         (
             "camera.rs",
             "use crate::{\n    error::Error,\n    columns::{Dataset, Field},\n};\n",
