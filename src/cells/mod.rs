@@ -21,7 +21,7 @@ pub use hexahedron::HEXAHEDRON;
 pub use pyramid::PYRAMID;
 pub use split::split;
 pub use tetrahedron::TETRAHEDRON;
-pub use triangles::{DIAGONALS, face_triangles, hexahedron_of};
+pub use triangles::{face_triangles, hexahedron_of};
 pub use voxel::VOXEL;
 pub use wedge::WEDGE;
 

@@ -5,10 +5,10 @@
 
 use super::{CellKind, HEXAHEDRON, PYRAMID, VOXEL, WEDGE};
 
-/// The diagonal of a face: from its first corner to the third, or from the second to the fourth.
-pub const DIAGONALS: [[usize; 2]; 2] = [[0, 2], [1, 3]];
+/// The ends of a face's diagonal: from its first corner to the third, or from the second to the fourth.
+const DIAGONALS: [[usize; 2]; 2] = [[0, 2], [1, 3]];
 
-/// The corners of both triangles of face `face` of a hexahedron, counterclockwise seen from outside. The first two are the
+/// The corners of both triangles of face `face` of a hexahedron, cut as its bit of [`diagonals`](super::diagonals) says, counterclockwise seen from outside. The first two are the
 /// ends of the diagonal, in either order, the third is the triangle's own.
 pub const fn face_triangles(face: usize, diagonal: usize) -> [[u8; 3]; 2] {
     let corners = HEXAHEDRON.faces[face];

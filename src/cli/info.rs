@@ -181,7 +181,7 @@ fn remarks(counts: &CellCounts) -> Vec<(u64, &'static str)> {
         (counts.unsupported, "skipped: kinds that this version does not draw"),
         (counts.split, "split into tetrahedra: another field than the unsplit cell's"),
         (counts.quadratic, "quadratic: drawn by their corners"),
-        (counts.inverted, "inverted (of the tetrahedra): turned"),
+        (counts.inverted, "inverted: turned"),
         (counts.degenerate, "degenerate (of the tetrahedra): no volume, left out"),
     ];
     all.into_iter().filter(|&(n, _)| n > 0).collect()

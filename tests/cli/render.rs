@@ -189,6 +189,21 @@ fn arrays_by_name_component_and_place() {
 }
 
 #[test]
+fn cells_are_drawn_whole_or_split_as_they_are_told() {
+    let Some(folder) = data_folder("cells_are_drawn_whole_or_split_as_they_are_told") else { return };
+    let place = Place::with_mesh();
+    let mesh = folder.join("unstructured/hexa.vtk").to_string_lossy().into_owned();
+    let run = |more: &[&str]| place.run([&["render", &mesh, "-o", "out.png"], more].concat());
+    let whole = run(&[]).succeeds();
+    assert!(whole.err.contains("10,648 cells") && !whole.err.contains("split into tetrahedra"), "{}", whole.err);
+    for more in [&["--cells", "tetrahedra"][..], &["--cpu-method", "fans"], &["--sort", "topological"]] {
+        let split = run(more).succeeds();
+        assert!(split.err.contains("10,648 cells split into tetrahedra"), "{more:?}: {}", split.err);
+    }
+    run(&["--cells", "whole", "--check-order"]).fails(1, &["--cells", "--check-order takes tetrahedra"]);
+}
+
+#[test]
 fn every_file_that_can_be_drawn_is_not_blank() {
     let Some(folder) = data_folder("every_file_that_can_be_drawn_is_not_blank") else { return };
     let place = Place::new();

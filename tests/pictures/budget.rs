@@ -34,7 +34,7 @@ fn assert_same(found: &Rendered, expected: &Rendered, what: &str) {
     assert_eq!((&found.cells, found.order), (&expected.cells, expected.order), "{what}");
 }
 
-fn assert_same_at_any_budget(
+pub(crate) fn assert_same_at_any_budget(
     case: &Case,
     transfer: &TransferFunction,
     camera: &Camera,

@@ -1,11 +1,16 @@
 //! Cells with faces of four corners, whole: against the reference, closed forms, and their neighbours.
 
+use cellfan::backends::cpu::InstructionSet;
 use cellfan::cells::{HEXAHEDRON, PYRAMID, WEDGE};
 use cellfan::columns::{Array, Association, NumericColumn};
-use cellfan::io::UnstructuredMesh;
-use cellfan::{Camera, Field, FieldSelection, Model, Points, RenderOptions, TransferFunction};
+use cellfan::io::{StructuredMesh, UnstructuredMesh};
+use cellfan::{
+    Camera, CpuMethod, Dataset, Field, FieldSelection, Model, Points, RenderOptions, Renderer, Scene, SortMethod,
+    TransferFunction,
+};
 use glam::DVec3;
 
+use crate::budget::assert_same_at_any_budget;
 use crate::check::Case;
 use crate::meshes::{Random, point, smooth, three_views};
 
@@ -105,6 +110,66 @@ fn twisted_shell(n: [u32; 3], turn: f64) -> UnstructuredMesh {
         DVec3::new(radius * angle.cos(), radius * angle.sin(), 2.0 * p.z)
     });
     mesh(&points, &cells)
+}
+
+/// Blocks without a list of corners are the cells that are listed.
+#[test]
+fn structured_blocks_are_the_listed_cells() {
+    let [ni, nj, nk] = [15, 4, 5];
+    let listed = twisted_shell([ni, nj, nk], 1.2);
+    let arrays = listed.arrays.clone();
+    let dims = [ni, nj, nk].map(|cells| cells as usize + 1);
+    let blocks = StructuredMesh::new(&[dims], listed.points.clone(), arrays).unwrap().into_whole_dataset().unwrap();
+    assert_eq!(blocks.hexahedra.owned_bytes(), u64::from(ni * nj * nk) * 2 + 20);
+    let corners = blocks.corners_world();
+    let camera = Camera::framing(&corners, 20.0, 25.0, 120, 96);
+    for array in ["value", "cell_value"] {
+        let of = |dataset: Dataset| {
+            let field = dataset.field(&FieldSelection::parse(array, &dataset.arrays)).unwrap();
+            let scene = Scene::new(dataset, field, &smooth());
+            Renderer::new(RenderOptions::default()).render(&scene, &camera).unwrap()
+        };
+        let (a, b) = (of(blocks.clone()), of(listed.clone().into_whole_dataset().unwrap()));
+        assert_eq!((a.cells.drawn, b.cells.drawn), (300, 300));
+        let difference = a.image.difference(&b.image, [0.0; 4]).unwrap();
+        assert!(a.image.covered([0.0; 4]) > 2000 && difference.max < 1e-5, "{array}: {difference:?}");
+    }
+}
+
+#[test]
+fn any_budget_and_instruction_set_gives_the_same_bytes() {
+    for array in ["value", "cell_value"] {
+        let case = case(jittered(12, 0.3), array);
+        for (view, camera) in three_views(130, 170) {
+            for model in [Model::EmissionAbsorption, Model::Mip] {
+                let options = RenderOptions { model, ..RenderOptions::default() };
+                assert_same_at_any_budget(&case, &smooth(), &camera, options, &format!("{array}, {view}, {model}"));
+                let of = |set| {
+                    let options = RenderOptions { instruction_set: Some(set), ..options };
+                    case.render(options, &smooth(), &camera).image
+                };
+                let baseline = of(InstructionSet::Baseline);
+                for set in InstructionSet::available() {
+                    assert!(of(set).pixels == baseline.pixels, "{array}, {view}, {model}: {}", set.name());
+                }
+            }
+        }
+    }
+}
+
+/// What takes tetrahedra says so.
+#[test]
+fn fans_and_graphs_refuse_whole_cells() {
+    let case = case(jittered(4, 0.1), "value");
+    let [(_, camera), ..] = three_views(20, 20);
+    for options in [
+        RenderOptions { cpu_method: CpuMethod::Fans, ..RenderOptions::default() },
+        RenderOptions { sort: SortMethod::Topological, ..RenderOptions::default() },
+        RenderOptions { check_order: true, ..RenderOptions::default() },
+    ] {
+        let error = Renderer::new(options).render(&case.scene(&smooth()), &camera).unwrap_err();
+        assert!(error.to_string().contains("--cells"), "{error}");
+    }
 }
 
 /// Every ray through a homogeneous shell, however its faces fold.

@@ -68,15 +68,11 @@ fn remarks(counts: &CellCounts, stats: &Stats) -> Vec<String> {
         (counts.split, "split into tetrahedra: another field than the unsplit cells'"),
         (counts.quadratic, "drawn by their corners: their edges are curved in the file"),
     ];
-    let cells = all.into_iter().filter(|&(n, _)| n > 0).map(|(n, what)| format!("{} {what}", count(n, "cell")));
-    let tets = [
+    let drawn = [
         (counts.inverted, "turned: their corners ran the other way"),
         (counts.degenerate, "without volume left out"),
         (stats.cells.invalid, "left out: a value of theirs is not finite"),
     ];
-    let tets = tets
-        .into_iter()
-        .filter(|&(n, _)| n > 0)
-        .map(|(n, what)| format!("{} tetrahedr{} {what}", grouped(n), if n == 1 { "on" } else { "a" }));
-    cells.chain(tets).collect()
+    let remark = |(n, what)| format!("{} {what}", count(n, "cell"));
+    all.into_iter().chain(drawn).filter(|&(n, _)| n > 0).map(remark).collect()
 }

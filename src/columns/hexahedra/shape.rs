@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 
-use crate::cells::{DIAGONALS, HEXAHEDRON, face_triangles};
+use crate::cells::{HEXAHEDRON, diagonals, face_triangles};
 use crate::columns::orientation_of;
 
 /// Six diagonals, six folds, and what else is known, a bit each.
@@ -28,7 +28,7 @@ impl HexShape {
 
     /// The shape of the cell with corners at `p`; its corners are compared by `index`, where coincident points share a number.
     pub fn new(p: [Vec3; 8], index: [u32; 8]) -> Self {
-        let diagonals = diagonals(index);
+        let diagonals = diagonals_of(index);
         let (volume, size) = volume_and_size(p, diagonals);
         if volume.abs() <= FLAT * size.powi(3) {
             return Self::ABSENT;
@@ -40,7 +40,7 @@ impl HexShape {
     }
 
     fn of_positive(p: [Vec3; 8], index: [u32; 8], size: f64) -> Self {
-        let mut shape = Self(diagonals(index));
+        let mut shape = Self(diagonals_of(index));
         for face in 0..6 {
             let [[a, b, c], [.., d]] = shape.triangles(face).map(|triangle| triangle.map(|i| p[usize::from(i)]));
             // Outwards is where (b−a)×(c−a) points: a fourth corner on that side folds the face inwards.
@@ -105,14 +105,9 @@ impl HexShape {
     }
 }
 
-/// A bit a face: its lowest corner is the second or fourth.
-fn diagonals(index: [u32; 8]) -> u16 {
-    (0..6).fold(0, |bits, face| {
-        let corners = HEXAHEDRON.faces[face];
-        let lowest = (0..4).min_by_key(|&i| index[usize::from(corners[i])]).unwrap_or(0);
-        debug_assert!(DIAGONALS[lowest % 2].contains(&lowest));
-        bits | ((lowest % 2) as u16) << face
-    })
+/// Along which diagonal each face is cut.
+fn diagonals_of(index: [u32; 8]) -> u16 {
+    u16::from(diagonals(&HEXAHEDRON, &index, |index| index))
 }
 
 /// Signed volume between the triangles, and the largest distance of a corner from the first.
@@ -172,7 +167,7 @@ mod tests {
         // Faces 1 (+x) of one cell and 0 (−x) of the next, corner by corner the same points.
         let (left, right) = ([10, 3, 7, 12, 11, 9, 2, 14], [3, 20, 21, 7, 9, 22, 23, 2]);
         let ends = |index: [u32; 8], face: usize| {
-            let shape = HexShape(diagonals(index));
+            let shape = HexShape(diagonals_of(index));
             let [[p, q, _], _] = shape.triangles(face);
             let mut ends = [p, q].map(|i| index[usize::from(i)]);
             ends.sort_unstable();
