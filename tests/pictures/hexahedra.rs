@@ -4,6 +4,7 @@ use cellfan::backends::cpu::InstructionSet;
 use cellfan::cells::{HEXAHEDRON, PYRAMID, WEDGE};
 use cellfan::columns::{Array, Association, NumericColumn};
 use cellfan::io::{StructuredMesh, UnstructuredMesh};
+use cellfan::optics::{BandPoint, BandTable};
 use cellfan::{
     Camera, CpuMethod, Dataset, Field, FieldSelection, Model, Points, RenderOptions, Renderer, Scene, SortMethod,
     TransferFunction,
@@ -155,6 +156,27 @@ fn any_budget_and_instruction_set_gives_the_same_bytes() {
             }
         }
     }
+}
+
+/// Bands have pieces of their own: on cell data, whole and split cells are one field.
+#[test]
+fn bands_of_whole_cells_are_those_of_split_ones() {
+    let extinctions = |value: f64| (0..5).map(|band| 3.0 * (value * (7.0 + f64::from(band))).sin().powi(2)).collect();
+    let points =
+        (0..=40).map(|i| f64::from(i) / 40.0).map(|value| BandPoint { value, extinctions: extinctions(value) });
+    let names = (0..5).map(|band| format!("band {band}")).collect();
+    let table = BandTable::new(names, points.collect()).unwrap();
+    let [(_, camera), ..] = three_views(100, 80);
+    let draw = |dataset: Dataset| {
+        let field = dataset.field(&FieldSelection::parse("cell_value", &dataset.arrays)).unwrap();
+        let scene = Scene::new(dataset, field, &smooth()).with_bands(table.clone());
+        let options = RenderOptions { model: Model::Absorption, ..RenderOptions::default() };
+        Renderer::new(options).render(&scene, &camera).unwrap().bands.unwrap()
+    };
+    let whole = draw(jittered(8, 0.2).into_whole_dataset().unwrap());
+    let split = draw(jittered(8, 0.2).into_dataset().unwrap());
+    let off = whole.values.iter().zip(&split.values).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    assert!(whole.values.iter().filter(|&&value| value < 0.9).count() > 5000 && off < 1e-5, "{off}");
 }
 
 /// What takes tetrahedra says so.

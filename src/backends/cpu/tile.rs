@@ -148,17 +148,21 @@ pub(super) fn composite<O: Optics, S: Sink<O>, const PERSPECTIVE: bool>(
         if sink.is_all_done() {
             return;
         }
+        let mut has_tets = false;
         for (lane, &pair) in cells.iter().enumerate() {
             let cell = index_of(pair) as usize;
             if cell >= first_hexahedron {
                 continue;
             }
+            has_tets = true;
             corners.set(lane, tets.get(cell), frame.vertices, positive.get(cell));
             if let Some(values) = cell_values {
                 corners.set_constant(lane, values[cell]);
             }
         }
-        batch.set_up(&tile.rays, &corners);
+        if has_tets {
+            batch.set_up(&tile.rays, &corners);
+        }
         for (lane, &pair) in cells.iter().enumerate() {
             if let Some(hexahedron) = (index_of(pair) as usize).checked_sub(first_hexahedron) {
                 let (vertex, shape) = (hexahedra.get(hexahedron), hexahedra.shape(hexahedron));
@@ -193,7 +197,7 @@ fn composite_hexahedron<O: Optics, S: Sink<O>>(
     kernels.set_up(footprint, &tile.rays, hexahedron);
     let done = blocks_in(footprint.sides).filter(|&block| sink.is_done(block, footprint.v_max));
     let done = done.fold(0, |done, block| done | 1 << block);
-    let span = CellSpan::new(tile.frame.pieces, footprint.s_min, footprint.s_max);
+    let span = CellSpan::new(tile.frame.intervals(), footprint.s_min, footprint.s_max);
     if footprint.outline == Outline::Simple {
         kernels.meet(hits, tile, footprint, done);
         hits.shade(optics, span);
