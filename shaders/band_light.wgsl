@@ -12,6 +12,9 @@ fn of_piece(k: u32, part: Segment) -> vec4<f32> {
     return vec4<f32>(a.w0 * near.x + a.w1 * far.x, b.w0 * near.y + b.w1 * far.y, a.transmittance, b.transmittance);
 }
 
+// What a cell without a part of the ray gives.
+const NOTHING = vec4<f32>(0.0, 0.0, 1.0, 1.0);
+
 fn over(front: vec4<f32>, back: vec4<f32>) -> vec4<f32> {
     return vec4<f32>(front.xy + front.zw * back.xy, front.zw * back.zw);
 }
@@ -23,23 +26,14 @@ struct Blended {
     @location(0) @blend_src(1) transmittance: vec4<f32>,
 }
 
-fn blended(sum: vec4<f32>) -> Blended {
-    return Blended(vec4<f32>(sum.xy, 1.0 - sum.zw), sum.zwzw);
-}
-
-@fragment
-fn fragment(in: Fragment) -> Blended {
-    let ray = segment(in);
-    var sum = vec4<f32>(0.0, 0.0, 1.0, 1.0);
-    if !(ray.length_world > 0.0) {
-        return blended(sum);
-    }
-    for (var k = in.span.x; k <= in.span.y; k++) {
+fn of_segment(ray: Segment, span: vec2<u32>) -> vec4<f32> {
+    var sum = NOTHING;
+    for (var k = span.x; k <= span.y; k++) {
         if pieces[k].is_transparent != 0u {
             continue;
         }
         var part = ray;
-        if in.span.x != in.span.y {
+        if span.x != span.y {
             part = cut(ray, k);
         }
         if part.length_world > 0.0 {
@@ -52,5 +46,11 @@ fn fragment(in: Fragment) -> Blended {
             }
         }
     }
-    return blended(sum);
+    return sum;
+}
+
+@fragment
+fn fragment(in: Fragment) -> Blended {
+    let sum = of_cell(in);
+    return Blended(vec4<f32>(sum.xy, 1.0 - sum.zw), sum.zwzw);
 }

@@ -7,22 +7,19 @@ fn of_piece(k: u32, part: Segment) -> vec4<f32> {
     return vec4<f32>(w.w0 * color_at(k, part.enter) + w.w1 * color_at(k, part.leave), w.transmittance);
 }
 
+// What a cell without a part of the ray gives.
+const NOTHING = vec4<f32>(0.0, 0.0, 0.0, 1.0);
+
 fn over(front: vec4<f32>, back: vec4<f32>) -> vec4<f32> {
     return vec4<f32>(front.rgb + front.a * back.rgb, front.a * back.a);
 }
 
-@fragment
-fn fragment(in: Fragment) -> @location(0) vec4<f32> {
-    let ray = segment(in);
-    if !(ray.length_world > 0.0) {
-        return vec4<f32>(0.0);
+fn of_segment(ray: Segment, span: vec2<u32>) -> vec4<f32> {
+    if span.x == span.y {
+        return of_piece(span.x, ray);
     }
-    if in.span.x == in.span.y {
-        let one = of_piece(in.span.x, ray);
-        return vec4<f32>(one.rgb, 1.0 - one.a);
-    }
-    var sum = vec4<f32>(0.0, 0.0, 0.0, 1.0);
-    for (var k = in.span.x; k <= in.span.y; k++) {
+    var sum = NOTHING;
+    for (var k = span.x; k <= span.y; k++) {
         if pieces[k].is_transparent != 0u {
             continue;
         }
@@ -37,5 +34,11 @@ fn fragment(in: Fragment) -> @location(0) vec4<f32> {
             }
         }
     }
+    return sum;
+}
+
+@fragment
+fn fragment(in: Fragment) -> @location(0) vec4<f32> {
+    let sum = of_cell(in);
     return vec4<f32>(sum.rgb, 1.0 - sum.a);
 }

@@ -1,7 +1,8 @@
 // From fans (src/stages/fans.rs) to segments of rays.
 
-// Whether a draw may have PlaneFans: shaders that need not know them are faster.
+// Whether a draw may have PlaneFans, or HexFans, which take the room of two: shaders that need not know them are faster.
 override HAS_PLANES: bool = true;
+override HAS_HEXAHEDRA: bool = true;
 
 // A Fan, or a PlaneFan (src/stages/fans/planes.rs) in its room, as words:
 //   Fan       thick x y, s min max | front v q, back v q | four times ring x y v q
@@ -33,22 +34,19 @@ fn box_of(fan: u32) -> vec4<f32> {
     return vec4<f32>(vec4<u32>(columns_rows & vec2<u32>(0xffffu), columns_rows >> vec2<u32>(16u)));
 }
 
-// Five vertices a fan: the thick one, then the ring; of a box its middle, then its corners.
+// Five vertices a fan: the thick one, then the ring; of a box one corner twice, then all of them: two triangles cover nothing.
 @vertex
 fn vertex(@builtin(vertex_index) index: u32) -> Fragment {
-    let fan = index / 5u;
+    let fan = index / 5u * select(1u, 2u, HAS_HEXAHEDRA);
     let corner = index % 5u;
     let head = floats(fan, 0u);
     var position_px = head.xy;
     var enter_leave = floats(fan, 1u);
-    if HAS_PLANES && head.z > head.w {
+    if (HAS_PLANES || HAS_HEXAHEDRA) && head.z > head.w {
         let pixels = box_of(fan) - 0.5;
         let right = corner == 2u || corner == 3u;
         let below = corner == 3u || corner == 4u;
         position_px = vec2<f32>(select(pixels.x, pixels.z, right), select(pixels.y, pixels.w, below));
-        if corner == 0u {
-            position_px = 0.5 * (pixels.xy + pixels.zw);
-        }
     } else if corner > 0u {
         let ring = floats(fan, corner + 1u);
         position_px = ring.xy;
@@ -105,6 +103,18 @@ fn segment(in: Fragment) -> Segment {
         clamp(value1, in.s_range.x, in.s_range.y),
         depth * length_per_depth(pixel),
     );
+}
+
+// All of a cell's light on a ray.
+fn of_cell(in: Fragment) -> vec4<f32> {
+    if HAS_HEXAHEDRA && in.s_range.x > in.s_range.y && (fans[in.fan].words[1].w & IS_HEXAHEDRON) != 0u {
+        return of_hexahedron(in);
+    }
+    let ray = segment(in);
+    if !(ray.length_world > 0.0) {
+        return NOTHING;
+    }
+    return of_segment(ray, in.span);
 }
 
 // Entry is the farthest front face's plane, exit the nearest back face's, as in src/stages/footprints.

@@ -215,11 +215,11 @@ impl Renderer {
     /// Whether the method can draw the scene's cells.
     fn check_cells(&self, scene: &Scene) -> Result<()> {
         let options = self.options;
-        let needs_tetrahedra = if self.draws_fans() {
-            "fans (and GPUs)"
-        } else if options.check_order {
+        let takes_graph =
+            options.sort == SortMethod::Topological || (options.sort == SortMethod::Auto && self.draws_fans());
+        let needs_tetrahedra = if options.check_order {
             "--check-order"
-        } else if options.sort == SortMethod::Topological && !options.model.is_order_free() {
+        } else if takes_graph && !options.model.is_order_free() {
             "--sort topological"
         } else {
             return Ok(());

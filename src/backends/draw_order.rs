@@ -107,12 +107,12 @@ impl DrawOrder {
         }
         let pairs = per_block.iter().flat_map(|(pairs, _)| pairs);
         if is_ordered {
-            self.take_up_last_order(pairs, frame.dataset.tets.len());
+            self.take_up_last_order(pairs, frame.dataset.cells());
         } else {
             self.pairs.clear();
             self.pairs.extend(pairs);
         }
-        profile.add("cull", start.elapsed(), frame.dataset.tets.len() as u64 * 32);
+        profile.add("cull", start.elapsed(), frame.dataset.cells() as u64 * 32);
         counts
     }
 

@@ -1,15 +1,18 @@
 //! `fans`: triangle fans for rasterisers, in draw order, written into lent memory.
 //!
-//! In: cells in draw order, projected vertices, the view. Out: [`Fan`] records, all of one size, in a [`FanSlot`].
-//! Count, scan, write: [`count`] says how many records a run of cells needs, a prefix sum lends each run its part of the slot,
-//! [`write()`] fills it in sequence and never reads back.
+//! In: cells in draw order, projected vertices, the view. Out: [`Fan`]s, or what else stands in the room of one or more, in a
+//! [`FanSlot`]. Count, scan, write: [`count`] says how many a run of cells needs, a prefix sum lends each run its part of the
+//! slot, [`write()`] fills it in sequence and never reads back.
 //!
 //! A fan is the thick vertex and the ring around it (CellFast, figure 3): triangles thick, ring i, ring i + 1, the last one closing
 //! the ring, so that one list of indices serves every class. Classes with fewer triangles repeat the thick vertex in the ring.
 //! A vertex carries (v, q), v the inverse depth and q = s·v (parallel rays: q = s): both are affine on the picture over a
-//! triangle of the fan, so that plain interpolation gives each fragment its exact entry and exit. Other kinds of cells:
-//! [`polyhedra`].
+//! triangle of the fan, so that plain interpolation gives each fragment its exact entry and exit.
+//! In the room of a fan: a tetrahedron's planes ([`PlaneFan`]). In the room of two, in meshes that have any, a cell with faces of
+//! four corners ([`HexFan`]); the second room of other cells stays empty. As the papers draw them: [`polyhedra`].
 
+mod classes;
+mod hexahedra;
 mod planes;
 pub mod polyhedra;
 
@@ -18,11 +21,12 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-use super::classify::{Classified, ProjectionClass, classify};
+use super::classify::{ProjectionClass, classify};
 use super::footprints::PixelBoxes;
 use super::near::{self, Corner};
 use super::{PixelProjection, SceneVertex, ScreenVertex, View};
-use crate::columns::Dataset;
+use crate::columns::{Dataset, HexahedraView};
+use classes::{Projected, fan};
 
 /// One fan as a rasteriser reads it.
 #[repr(C)]
@@ -67,6 +71,7 @@ impl Fan {
     }
 }
 
+pub use hexahedra::HexFan;
 pub use planes::PlaneFan;
 
 /// Memory lent by a backend, written in sequence and never read.
@@ -108,6 +113,22 @@ pub enum PlanesFor {
     AllCells,
 }
 
+/// What may stand among fans, in their room.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Contents {
+    /// [`PlaneFan`]s.
+    pub has_planes: bool,
+    /// [`HexFan`]s.
+    pub has_hexahedra: bool,
+}
+
+impl Contents {
+    /// The fans whose room one record takes, whatever it is.
+    pub fn fans_per_record(self) -> usize {
+        if self.has_hexahedra { HexFan::FANS } else { 1 }
+    }
+}
+
 /// What fans are made from.
 #[derive(Clone, Copy)]
 pub struct FanInput<'a> {
@@ -120,6 +141,7 @@ pub struct FanInput<'a> {
     projection: PixelProjection,
     /// Whether a vertex lies before the near plane, or (planes) far outside the picture, so that cells need care.
     has_near_cells: bool,
+    hexahedra: HexahedraView<'a>,
 }
 
 /// The fans of one cell, and their classes; planes have none.
@@ -139,8 +161,10 @@ impl<'a> FanInput<'a> {
         planes_for: PlanesFor,
     ) -> Self {
         let projection = view.projection();
+        let hexahedra = dataset.hexahedra.view();
+        let has_near_cells = false;
         let mut input =
-            Self { view, planes_for, dataset, vertices, screen, cell_values, projection, has_near_cells: false };
+            Self { view, planes_for, dataset, vertices, screen, cell_values, projection, has_near_cells, hexahedra };
         input.has_near_cells = screen.par_iter().with_min_len(1 << 14).any(|vertex| input.is_near(vertex));
         input
     }
@@ -155,18 +179,24 @@ impl<'a> FanInput<'a> {
         vertex.depth < self.view.near || (self.planes_for != PlanesFor::NoCells && is_far_outside())
     }
 
-    /// Whether there may be [`PlaneFan`]s among the fans.
-    pub fn may_have_planes(&self) -> bool {
-        match self.planes_for {
+    /// What there may be among the fans.
+    pub fn contents(&self) -> Contents {
+        let has_planes = match self.planes_for {
             PlanesFor::NoCells => false,
             PlanesFor::NearCells => self.has_near_cells,
             PlanesFor::AllCells => true,
-        }
+        };
+        Contents { has_planes, has_hexahedra: !self.hexahedra.is_empty() }
+    }
+
+    /// See [`Contents::fans_per_record`].
+    fn fans_per_record(&self) -> usize {
+        self.contents().fans_per_record()
     }
 
     /// No cell has more fans than this.
     pub fn fans_per_cell_max(&self) -> usize {
-        if self.has_near_cells && self.planes_for == PlanesFor::NoCells { 3 } else { 1 }
+        self.fans_per_record() * if self.has_near_cells && self.planes_for == PlanesFor::NoCells { 3 } else { 1 }
     }
 
     /// The projected corners of a cell, and its scalars.
@@ -180,10 +210,11 @@ impl<'a> FanInput<'a> {
         )
     }
 
-    /// Whether the cell needs care.
+    /// Whether the cell is a tetrahedron that needs care.
     #[inline]
     fn is_near_cell(&self, cell: u32) -> bool {
         self.has_near_cells
+            && (cell as usize) < self.dataset.tets.len()
             && self.dataset.tets.get(cell as usize).iter().any(|&v| self.is_near(&self.screen[v as usize]))
     }
 
@@ -233,9 +264,21 @@ impl<'a> FanInput<'a> {
         (is_near || !is_steep).then(|| bytemuck::cast(fan))
     }
 
-    /// The fans of `cell`.
+    /// A cell with faces of four corners.
     #[inline]
-    fn of_cell(&self, cell: u32) -> CellFans {
+    fn of_hexahedron(&self, cell: usize) -> HexFan {
+        let number = cell - self.dataset.tets.len();
+        let vertex = self.hexahedra.get(number);
+        let Some(pixels) = PixelBoxes::new(self.view).of_cell(vertex, self.vertices, self.screen) else {
+            return HexFan::default();
+        };
+        let constant = self.cell_values.map(|values| values[cell]);
+        HexFan::new(self.view, pixels, (vertex, self.hexahedra.shape(number)), (self.vertices, self.screen), constant)
+    }
+
+    /// The fans of `cell`, a tetrahedron.
+    #[inline]
+    fn of_tetrahedron(&self, cell: u32) -> CellFans {
         let is_near = self.is_near_cell(cell);
         if is_near && self.planes_for == PlanesFor::NoCells {
             return self.of_cut_cell(cell);
@@ -251,12 +294,11 @@ impl<'a> FanInput<'a> {
     }
 }
 
-/// How many fans `cells` need: one each, and up to three where a cell is cut at the near plane.
+/// How many fans `cells` need: a record each, and up to three where a tetrahedron is cut at the near plane.
 pub fn count(input: &FanInput, cells: &[u32]) -> usize {
-    if input.fans_per_cell_max() == 1 {
-        return cells.len();
-    }
-    cells.iter().map(|&cell| if input.is_near_cell(cell) { input.of_cut_cell(cell).len() } else { 1 }).sum()
+    let records = |&cell: &u32| if input.is_near_cell(cell) { input.of_cut_cell(cell).len() } else { 1 };
+    let are_cut = input.has_near_cells && input.planes_for == PlanesFor::NoCells;
+    input.fans_per_record() * if are_cut { cells.iter().map(records).sum() } else { cells.len() }
 }
 
 /// Writes the fans of `cells`, in their order, into `slot`; counts them by class. A cell seen edge-on has a fan that covers nothing.
@@ -266,20 +308,32 @@ pub fn count(input: &FanInput, cells: &[u32]) -> usize {
 pub fn write(input: &FanInput, cells: &[u32], slot: &mut impl FanSlot) -> [u64; 5] {
     let mut by_class = [0; 5];
     let mut some: ArrayVec<Fan, WRITTEN_AT_ONCE> = ArrayVec::new();
+    let fans_per_record = input.fans_per_record();
     for &cell in cells {
-        for (class, fan) in input.of_cell(cell) {
+        if cell as usize >= input.dataset.tets.len() {
+            let fans: [Fan; HexFan::FANS] = bytemuck::cast(input.of_hexahedron(cell as usize));
+            put(&mut some, &fans, slot);
+            continue;
+        }
+        for (class, fan) in input.of_tetrahedron(cell) {
             if let Some(class) = class {
                 by_class[class as usize] += 1;
             }
-            if some.is_full() {
-                slot.put(&some);
-                some.clear();
-            }
-            some.push(fan);
+            put(&mut some, &[fan, Fan::default()][..fans_per_record], slot);
         }
     }
     slot.put(&some);
     by_class
+}
+
+/// Adds a record to those that are written at once.
+#[inline]
+fn put(some: &mut ArrayVec<Fan, WRITTEN_AT_ONCE>, record: &[Fan], slot: &mut impl FanSlot) {
+    if some.remaining_capacity() < record.len() {
+        slot.put(some);
+        some.clear();
+    }
+    some.extend(record.iter().copied());
 }
 
 /// Writes the fans of `runs` of cells, each of as many fans as `counts` says, one run after the other, in parallel.
@@ -293,77 +347,6 @@ pub fn write_runs<S: FanSlot>(input: &FanInput, runs: &[Vec<u32>], counts: &[usi
     }
     let by_run = runs.par_iter().zip(slots).map(|(run, mut slot)| write(input, run, &mut slot));
     by_run.reduce(|| [0; 5], |a, b| std::array::from_fn(|class| a[class] + b[class]))
-}
-
-/// A projected vertex with what is interpolated over the picture.
-#[derive(Clone, Copy, Debug)]
-struct Projected {
-    xy: Vec2,
-    v: f32,
-    q: f32,
-}
-
-impl Projected {
-    /// The point of the segment to `other` at `t`; on the picture everything is affine.
-    fn lerp(self, other: Self, t: f32) -> Self {
-        Self {
-            xy: self.xy + (other.xy - self.xy) * t,
-            v: self.v + (other.v - self.v) * t,
-            q: self.q + (other.q - self.q) * t,
-        }
-    }
-}
-
-fn thin(p: Projected) -> RingVertex {
-    RingVertex { position_px: p.xy.to_array(), vq: [p.v, p.q] }
-}
-
-/// The thick vertex and its ring.
-#[inline]
-fn fan(classified: Classified, projected: [Projected; 4], s_range: [f32; 2]) -> Fan {
-    let Classified { class, roles, inner_is_front } = classified;
-    let [a, b, c, d] = roles.map(|role| projected[role as usize]);
-    let fan = |xy: Vec2, front: Projected, back: Projected, ring: [Projected; 4]| Fan {
-        thick_px: xy.to_array(),
-        s_range,
-        front: [front.v, front.q],
-        back: [back.v, back.q],
-        ring: ring.map(thin),
-    };
-    let in_order = |inner: Projected, outer: Projected| if inner_is_front { (inner, outer) } else { (outer, inner) };
-    match class {
-        ProjectionClass::EdgeOn => Fan::default(),
-        // a lies inside b c d: the other side of the cell there is a point of that face.
-        ProjectionClass::Class1 => {
-            let (q, r, s) = (c.xy - b.xy, d.xy - b.xy, a.xy - b.xy);
-            let area = q.perp_dot(r);
-            let (u, t) = (s.perp_dot(r) / area, q.perp_dot(s) / area);
-            let face = Projected {
-                xy: a.xy,
-                v: b.v + (c.v - b.v) * u + (d.v - b.v) * t,
-                q: b.q + (c.q - b.q) * u + (d.q - b.q) * t,
-            };
-            let (front, back) = in_order(a, face);
-            fan(a.xy, front, back, [b, c, d, b])
-        }
-        // Front edge a b and back edge c d cross: a + t (b − a) = c + u (d − c), by Cramer.
-        ProjectionClass::Class2 => {
-            let (ab, cd, ac) = (b.xy - a.xy, d.xy - c.xy, c.xy - a.xy);
-            let area = ab.perp_dot(cd);
-            let (t, u) = (ac.perp_dot(cd) / area, ac.perp_dot(ab) / area);
-            let (front, back) = (a.lerp(b, t), c.lerp(d, u));
-            fan(front.xy, front, back, [a, c, b, d])
-        }
-        // a lies on edge b d.
-        ProjectionClass::Class3 => {
-            let bd = d.xy - b.xy;
-            let t = (a.xy - b.xy).dot(bd) / bd.length_squared();
-            let (front, back) = in_order(a, b.lerp(d, t));
-            fan(a.xy, front, back, [b, c, d, a])
-        }
-        // a lies in front of b.
-        ProjectionClass::Class4 => fan(a.xy, a, b, [c, d, a, a]),
-    }
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@ use crate::gpus::gpus;
 use crate::meshes::{frame_unit_cube, grid, random_delaunay, smooth, stepped, three_views};
 use crate::parity::{Parity, miss};
 
-fn draw(gpu: &Gpu, options: RenderOptions, scene: &Scene, camera: &Camera) -> Image {
+pub(crate) fn draw(gpu: &Gpu, options: RenderOptions, scene: &Scene, camera: &Camera) -> Image {
     let mut renderer = Renderer::on_gpu(options, gpu.clone(), GpuCompositor::MEMORY_BYTES);
     renderer.render(scene, camera).unwrap().image
 }
@@ -27,7 +27,7 @@ fn scene(case: &Case, transfer: &TransferFunction) -> Scene {
 }
 
 /// Along rays from a point and parallel ones, from outside and from inside.
-fn four_views(width: u32, height: u32) -> [(&'static str, Camera); 4] {
+pub(crate) fn four_views(width: u32, height: u32) -> [(&'static str, Camera); 4] {
     let [outside, inside, parallel] = three_views(width, height);
     let parallel_inside =
         ("sliced", Camera { eye: DVec3::splat(0.5), target: DVec3::new(0.9, 0.2, 0.7), ..parallel.1.clone() });
@@ -35,7 +35,7 @@ fn four_views(width: u32, height: u32) -> [(&'static str, Camera); 4] {
 }
 
 /// Models with the integrals that they have.
-fn models() -> impl Iterator<Item = (Model, Integral)> {
+pub(crate) fn models() -> impl Iterator<Item = (Model, Integral)> {
     let papers = [Integral::Average, Integral::Texture].map(|integral| (Model::EmissionAbsorption, integral));
     Model::ALL.into_iter().map(|model| (model, Integral::Exact)).chain(papers)
 }

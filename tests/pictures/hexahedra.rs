@@ -6,8 +6,7 @@ use cellfan::columns::{Array, Association, NumericColumn};
 use cellfan::io::{StructuredMesh, UnstructuredMesh};
 use cellfan::optics::{BandPoint, BandTable};
 use cellfan::{
-    Camera, CpuMethod, Dataset, Field, FieldSelection, Model, Points, RenderOptions, Renderer, Scene, SortMethod,
-    TransferFunction,
+    Camera, Dataset, Field, FieldSelection, Model, Points, RenderOptions, Renderer, Scene, SortMethod, TransferFunction,
 };
 use glam::DVec3;
 
@@ -42,7 +41,7 @@ fn mesh(points: &[DVec3], cells: &[(u8, Vec<u32>)]) -> UnstructuredMesh {
 }
 
 /// `n` cells each way; where `place` puts the points of the unit cube.
-fn hex_grid(n: [u32; 3], mut place: impl FnMut(DVec3) -> DVec3) -> (Vec<DVec3>, Vec<(u8, Vec<u32>)>) {
+pub(crate) fn hex_grid(n: [u32; 3], mut place: impl FnMut(DVec3) -> DVec3) -> (Vec<DVec3>, Vec<(u8, Vec<u32>)>) {
     let [ni, nj, nk] = n.map(|n| n + 1);
     let all = (0..nk).flat_map(|k| (0..nj).flat_map(move |j| (0..ni).map(move |i| [i, j, k])));
     let points = all
@@ -58,7 +57,7 @@ fn hex_grid(n: [u32; 3], mut place: impl FnMut(DVec3) -> DVec3) -> (Vec<DVec3>, 
 }
 
 /// The unit cube, inner points moved by up to `jitter` cells.
-fn jittered(n: u32, jitter: f64) -> UnstructuredMesh {
+pub(crate) fn jittered(n: u32, jitter: f64) -> UnstructuredMesh {
     let mut random = Random(11);
     let (points, cells) = hex_grid([n; 3], |p| {
         let inner = |x: f64| if x > 1e-9 && x < 1.0 - 1e-9 { jitter / f64::from(n) } else { 0.0 };
@@ -68,7 +67,7 @@ fn jittered(n: u32, jitter: f64) -> UnstructuredMesh {
     mesh(&points, &cells)
 }
 
-fn case(mesh: UnstructuredMesh, array: &str) -> Case {
+pub(crate) fn case(mesh: UnstructuredMesh, array: &str) -> Case {
     let dataset = mesh.into_whole_dataset().unwrap();
     let field = dataset.field(&FieldSelection::parse(array, &dataset.arrays)).unwrap();
     Case::of(dataset, field)
@@ -93,7 +92,7 @@ fn check(name: &str, case: &Case, transfer: &TransferFunction, views: &[(&str, C
 }
 
 #[test]
-fn jittered_hexahedra_are_the_reference() {
+pub(crate) fn jittered_hexahedra_are_the_reference() {
     for (n, jitter) in [(8, 0.0), (10, 0.15), (9, 0.4)] {
         for array in ["value", "cell_value"] {
             let case = case(jittered(n, jitter), array);
@@ -104,7 +103,7 @@ fn jittered_hexahedra_are_the_reference() {
 }
 
 /// A cylinder shell of 300 cells, its top turned against its bottom.
-fn twisted_shell(n: [u32; 3], turn: f64) -> UnstructuredMesh {
+pub(crate) fn twisted_shell(n: [u32; 3], turn: f64) -> UnstructuredMesh {
     let (points, cells) = hex_grid(n, |p| {
         let angle = std::f64::consts::PI * p.x + turn * p.z;
         let radius = 0.5 + 0.5 * p.y;
@@ -181,11 +180,10 @@ fn bands_of_whole_cells_are_those_of_split_ones() {
 
 /// What takes tetrahedra says so.
 #[test]
-fn fans_and_graphs_refuse_whole_cells() {
+fn graphs_refuse_whole_cells() {
     let case = case(jittered(4, 0.1), "value");
     let [(_, camera), ..] = three_views(20, 20);
     for options in [
-        RenderOptions { cpu_method: CpuMethod::Fans, ..RenderOptions::default() },
         RenderOptions { sort: SortMethod::Topological, ..RenderOptions::default() },
         RenderOptions { check_order: true, ..RenderOptions::default() },
     ] {
@@ -216,9 +214,8 @@ fn a_twisted_shell_has_no_artefacts() {
     }
 }
 
-/// Wedges and pyramids in one mesh with hexahedra.
-#[test]
-fn mixed_cells_are_the_reference() {
+/// Pyramids in one mesh with hexahedra.
+pub(crate) fn mixed() -> UnstructuredMesh {
     let mut random = Random(3);
     let (points, hexahedra) = hex_grid([6; 3], |p| {
         p + DVec3::from_array([0; 3].map(|_: i32| (random.next() >> 11) as f64 / (1_u64 << 53) as f64 * 0.04))
@@ -239,8 +236,14 @@ fn mixed_cells_are_the_reference() {
             cells.push((PYRAMID.code, vec![a, b, d, e, middle]));
         }
     }
+    mesh(&points, &cells)
+}
+
+/// Wedges and pyramids in one mesh with hexahedra.
+#[test]
+fn mixed_cells_are_the_reference() {
     for array in ["value", "cell_value"] {
-        check(&format!("pyramids, {array}"), &case(mesh(&points, &cells), array), &smooth(), &three_views(200, 160));
+        check(&format!("pyramids, {array}"), &case(mixed(), array), &smooth(), &three_views(200, 160));
     }
 
     // A hexagon's fan of wedges, and their mirror images.

@@ -27,3 +27,5 @@ mod polyhedron;
 mod real;
 mod reference;
 mod topological;
+#[cfg(feature = "gpu")]
+mod whole;

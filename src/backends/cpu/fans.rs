@@ -15,7 +15,7 @@ use crate::optics::lanes::two_sum;
 use crate::optics::{CellSpan, LANES, Optics, Segments};
 use crate::profile::Profile;
 use crate::stages::View;
-use crate::stages::fans::{Fan, PlanesFor};
+use crate::stages::fans::{Fan, HexFan, PlanesFor};
 
 /// Fans that are in memory at once.
 const SLICE: usize = 1 << 16;
@@ -38,6 +38,7 @@ impl FanCompositor {
         // What f32 loses of sums.
         let mut lost = vec![[0.0; 4]; if O::IS_SUM { image.pixels.len() } else { 0 }];
         let input = self.order.fan_input(frame, PlanesFor::NoCells);
+        let fans_per_record = input.contents().fans_per_record();
         for slice in self.order.slices(&input, SLICE) {
             let start = Instant::now();
             self.fans.clear();
@@ -50,8 +51,11 @@ impl FanCompositor {
             let bands = image.pixels.par_chunks_mut(size).enumerate();
             let draw = |(band, pixels): (usize, &mut [[f32; 4]]), lost: &mut [[f32; 4]]| {
                 let mut rows = Rows { first: band * BAND, width: width as usize, pixels, lost };
-                for fan in &self.fans {
-                    rows.draw_fan(frame, optics, fan);
+                for record in self.fans.chunks(fans_per_record) {
+                    match HexFan::of_record(record) {
+                        Some(hexahedron) => rows.draw_hexahedron(frame, optics, &hexahedron),
+                        None => rows.draw_fan(frame, optics, &record[0]),
+                    }
                 }
             };
             if O::IS_SUM {
@@ -106,6 +110,28 @@ impl Rows<'_> {
         }
     }
 
+    /// Draws the parts of all rays through the box of a hexahedron.
+    fn draw_hexahedron<O: Optics>(&mut self, frame: &Frame, optics: &O, cell: &HexFan) {
+        let [columns, rows] = cell.box_px.map(|ends| (ends & 0xffff) as usize..(ends >> 16) as usize);
+        let [s_max, s_min] = cell.s_range;
+        let span = CellSpan::new(frame.intervals(), s_min, s_max);
+        let last_row = self.first + self.pixels.len() / self.width;
+        let mut lanes = LaneBuffer::default();
+        for y in rows.start.max(self.first)..rows.end.min(last_row) {
+            for x in columns.clone() {
+                let at = [(x - columns.start) as f64, (y - rows.start) as f64];
+                // Farthest first, each over what is there.
+                for part in cell.parts(frame.view, at).into_iter().rev() {
+                    let pixel = (y - self.first) * self.width + x;
+                    if lanes.push(frame.view, pixel, [x, y], part, [s_min, s_max]) {
+                        lanes.flush(optics, span, self);
+                    }
+                }
+            }
+        }
+        lanes.flush(optics, span, self);
+    }
+
     /// Rasterises one triangle by its edge functions, in f64: exact for vertices in f32 within the picture's precision.
     fn draw_triangle<O: Optics>(
         &mut self,
@@ -142,9 +168,11 @@ impl Rows<'_> {
                     let ends = triangle.map(|(_, front, back)| [front, back]);
                     let mix =
                         |end: usize, k: usize| -> f64 { (0..3).map(|i| weights[i] * f64::from(ends[i][end][k])).sum() };
-                    let [front, back] = [0, 1].map(|end| [mix(end, 0), mix(end, 1)]);
+                    let depth_and_value =
+                        |[v, q]: [f64; 2]| if view.is_perspective { [1.0 / v, q / v] } else { [-v, q] };
+                    let part = [0, 1].map(|end| depth_and_value([mix(end, 0), mix(end, 1)]));
                     let pixel = (y - self.first) * self.width + x;
-                    if lanes.push(view, pixel, [x, y], front, back, cell.1) {
+                    if lanes.push(view, pixel, [x, y], part, cell.1) {
                         lanes.flush(optics, cell.0, self);
                     }
                 }
@@ -154,7 +182,7 @@ impl Rows<'_> {
     }
 }
 
-/// Up to sixteen fragments of one triangle, each of another pixel.
+/// Up to sixteen fragments of one cell; of one pixel the farthest first.
 struct LaneBuffer {
     len: usize,
     pixels: [usize; LANES],
@@ -169,18 +197,15 @@ impl Default for LaneBuffer {
 }
 
 impl LaneBuffer {
-    /// Adds a fragment; true when the buffer is full.
+    /// Adds a fragment, a segment between two depths with their values; true when the buffer is full.
     fn push(
         &mut self,
         view: &View,
         pixel: usize,
         [x, y]: [usize; 2],
-        front: [f64; 2],
-        back: [f64; 2],
+        [[w0, s0], [w1, s1]]: [[f64; 2]; 2],
         [s_min, s_max]: [f32; 2],
     ) -> bool {
-        let depth_and_value = |[v, q]: [f64; 2]| if view.is_perspective { (1.0 / v, q / v) } else { (-v, q) };
-        let ((w0, s0), (w1, s1)) = (depth_and_value(front), depth_and_value(back));
         let clip = |w: f64| w.clamp(f64::from(view.near), f64::from(view.far));
         let (clipped0, clipped1) = (clip(w0), clip(w1));
         // Where a plane cuts the segment, the value there: linear along the ray.

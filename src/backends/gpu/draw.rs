@@ -150,9 +150,9 @@ impl GpuCompositor {
         };
         let (gpu, order, mut timestamps) = (&self.gpu, &self.order, self.timestamps.as_mut());
         let input = order.fan_input(frame, pipelines.planes_for());
-        let has_planes = input.may_have_planes();
+        let contents = input.contents();
         gpu.make(|| {
-            pipelines.prepare_draw(gpu, has_planes);
+            pipelines.prepare_draw(gpu, contents);
             Ok(())
         })?;
         let pipelines = &*pipelines;
@@ -161,8 +161,8 @@ impl GpuCompositor {
         }
         let (filled, to_submit) = bounded(1);
         let drawn = std::thread::scope(|scope| {
-            let submitter = scope
-                .spawn(move || Submitter { gpu, pipelines, targets, ring, timestamps, has_planes }.run(&to_submit));
+            let submitter =
+                scope.spawn(move || Submitter { gpu, pipelines, targets, ring, timestamps, contents }.run(&to_submit));
             let mut is_whole = true;
             for slice in order.slices(&input, ring.capacity) {
                 let start = Instant::now();

@@ -12,7 +12,7 @@ use crate::columns::Field;
 use crate::error::Result;
 use crate::optics::texture::OpacityTexture;
 use crate::optics::{Integral, Model, Shading, Textured};
-use crate::stages::fans::{Fan, PlanesFor};
+use crate::stages::fans::{Contents, Fan, PlanesFor};
 
 /// Fans that one draw takes: their vertices have 16-bit numbers, relative to the draw's first.
 const FANS_PER_DRAW: usize = 1 << 13;
@@ -22,8 +22,8 @@ pub(super) struct Pipelines {
     of: Shading,
     shaders: ModelShaders,
     module: wgpu::ShaderModule,
-    /// For fans alone, and for fans among which there are planes.
-    draw: [Option<wgpu::RenderPipeline>; 2],
+    /// For what there may be among the fans.
+    draw: Vec<(Contents, wgpu::RenderPipeline)>,
     /// Indices of [`FANS_PER_DRAW`] fans.
     indices: wgpu::Buffer,
     frame: wgpu::Buffer,
@@ -91,7 +91,7 @@ impl Pipelines {
             of: shading,
             shaders,
             module,
-            draw: [None, None],
+            draw: Vec::new(),
             indices: buffer_of(gpu, "indices", BufferUsages::INDEX, bytemuck::cast_slice(&indices())),
             frame,
             frame_layout,
@@ -147,20 +147,25 @@ impl Pipelines {
         }));
     }
 
-    /// Makes sure that fans can be drawn, with planes among them or without.
-    pub(super) fn prepare_draw(&mut self, gpu: &Gpu, has_planes: bool) {
+    /// Makes sure that fans can be drawn with `contents` among them.
+    pub(super) fn prepare_draw(&mut self, gpu: &Gpu, contents: Contents) {
+        if self.draw.iter().any(|(known, _)| *known == contents) {
+            return;
+        }
         let layouts = [&self.frame_layout, &self.fans_layout];
         let target = (accumulated_format(gpu), Some(blend_state(self.shaders.blend)));
-        let constants = [("HAS_PLANES", f64::from(u8::from(has_planes)))];
+        let Contents { has_planes, has_hexahedra } = contents;
+        let constants = [("HAS_PLANES", has_planes), ("HAS_HEXAHEDRA", has_hexahedra)]
+            .map(|(name, is_set)| (name, f64::from(u8::from(is_set))));
         let shader = Shader { module: &self.module, vertex: "vertex", fragment: "fragment", constants: &constants };
-        self.draw[usize::from(has_planes)].get_or_insert_with(|| pipeline(gpu, &layouts, shader, target));
+        self.draw.push((contents, pipeline(gpu, &layouts, shader, target)));
     }
 
-    /// Draws the first `fans` fans of a slot.
+    /// Draws what stands in the room of the first `fans` fans of a slot.
     pub(super) fn draw(
         &self,
         slot: &wgpu::BindGroup,
-        (fans, has_planes): (usize, bool),
+        (fans, contents): (usize, Contents),
         is_first: bool,
         accumulated: &wgpu::TextureView,
         timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
@@ -168,13 +173,14 @@ impl Pipelines {
     ) {
         let load = if is_first { self.clear_color() } else { wgpu::LoadOp::Load };
         let mut pass = begin(encoder, "fans", accumulated, load, timestamps);
-        let Some(pipeline) = &self.draw[usize::from(has_planes)] else { return };
+        let Some((_, pipeline)) = self.draw.iter().find(|(known, _)| *known == contents) else { return };
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, self.frame_binding.as_ref(), &[]);
         pass.set_bind_group(1, slot, &[]);
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
-        for first in (0..fans).step_by(FANS_PER_DRAW) {
-            let count = FANS_PER_DRAW.min(fans - first);
+        let records = fans / contents.fans_per_record();
+        for first in (0..records).step_by(FANS_PER_DRAW) {
+            let count = FANS_PER_DRAW.min(records - first);
             pass.draw_indexed(0..(count * INDICES_PER_FAN) as u32, (first * VERTICES_PER_FAN) as i32, 0..1);
         }
     }

@@ -85,6 +85,7 @@ impl ModelShaders {
             shader!("intervals"),
             shader!("integral"),
             shader!("fans"),
+            shader!("hexahedra"),
         ];
         common.into_iter().chain(self.fragment.iter().copied()).collect::<Vec<_>>().join("\n")
     }

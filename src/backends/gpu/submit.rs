@@ -14,6 +14,7 @@ use super::pipelines::Pipelines;
 use super::staging::Ring;
 use super::timestamps::Timestamps;
 use crate::error::Result;
+use crate::stages::fans::Contents;
 
 /// Submits slots in the order in which they come.
 pub(super) struct Submitter<'a> {
@@ -22,7 +23,7 @@ pub(super) struct Submitter<'a> {
     pub(super) targets: &'a Targets,
     pub(super) ring: &'a Ring,
     pub(super) timestamps: Option<&'a mut Timestamps>,
-    pub(super) has_planes: bool,
+    pub(super) contents: Contents,
 }
 
 impl Submitter<'_> {
@@ -46,7 +47,7 @@ impl Submitter<'_> {
             let timestamps = self.timestamps.as_deref_mut().and_then(Timestamps::of_fans);
             self.pipelines.draw(
                 self.ring.binding(slot),
-                (fans, self.has_planes),
+                (fans, self.contents),
                 is_first,
                 &self.targets.accumulated,
                 timestamps,

@@ -63,6 +63,12 @@ impl HexShape {
         })
     }
 
+    /// Along which diagonal each face is cut: see [`diagonals`].
+    #[inline]
+    pub fn diagonals(self) -> u8 {
+        (self.0 & ((1 << FOLDS) - 1)) as u8
+    }
+
     /// The triangles of face `face`: see [`face_triangles`].
     #[inline]
     pub fn triangles(self, face: usize) -> [[u8; 3]; 2] {
