@@ -1,15 +1,19 @@
 //! Whole frames: `frame/<mesh>/<model>`, from a camera to the finished picture in memory, a new view each time.
 //!
+//! `frame/hexahedra`: curvilinear hexahedra whole and split into tetrahedra, 5 to 10 pixels a cell, on the processor and on
+//! whatever GPU there is.
+//!
 //! Left out: reading and generating meshes, and encoding pictures. With `CELLFAN_BENCH_LARGE` set, also meshes of
 //! 1.3 million cells at 1024×1024.
 
 mod support;
 
 use cellfan::generate::Kind;
-use cellfan::{Model, RenderOptions, Rendered, Renderer, Scene};
+use cellfan::io::StructuredMesh;
+use cellfan::{Dataset, Model, Points, RenderOptions, Rendered, Renderer, Scene, SortMethod, TransferFunction};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
-use support::{Mesh, transfer};
+use support::{Mesh, framing, transfer};
 
 /// Every cell is accounted for, the picture shows something, and its values are possible.
 fn check(rendered: &Rendered, model: Model) {
@@ -65,5 +69,75 @@ fn frames(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, frames);
+/// A quarter of a shell of n³ cells, twisted about its axis.
+fn curvilinear(n: u32) -> StructuredMesh {
+    let side = n as usize + 1;
+    let share = |i: usize| i as f64 / f64::from(n);
+    let point = |i: usize| {
+        let (x, y, z) = (share(i % side), share(i / side % side), share(i / side / side));
+        let (angle, radius) = (std::f64::consts::FRAC_PI_2 * x + 0.8 * z, 0.4 + 0.6 * y);
+        [radius * angle.cos(), radius * angle.sin(), z]
+    };
+    let points = Points::F64((0..side.pow(3)).map(point).collect());
+    StructuredMesh::new(&[[side; 3]], points, Vec::new()).expect("the points are as many as the dimensions say")
+}
+
+/// Curvilinear hexahedra as they are and split, on each backend; the same order, and the same picture but for the field
+/// inside a cell, which cell data has not.
+fn hexahedra(criterion: &mut Criterion) {
+    let (n, side_px) = if std::env::var_os("CELLFAN_BENCH_LARGE").is_some() { (100, 400) } else { (40, 160) };
+    let scene = |dataset: Dataset| {
+        let field = dataset.homogeneous_field();
+        Scene::new(dataset, field, &TransferFunction::constant([0.9, 0.7, 0.5], 1.5).expect("it is valid"))
+    };
+    let whole = curvilinear(n).into_whole_dataset().expect("it is valid");
+    let cells = whole.cells() as u64;
+    let views: Vec<_> = (0..32).map(|i| framing(&whole, f64::from(i) * 360.0 / 32.0, side_px)).collect();
+    let scenes = [("whole", scene(whole)), ("split", scene(curvilinear(n).into_dataset().expect("it is valid")))];
+    let options = RenderOptions { sort: SortMethod::Centroid, ..RenderOptions::default() };
+    let mut group = criterion.benchmark_group("frame/hexahedra");
+    group.sample_size(10);
+    group.throughput(Throughput::Elements(cells));
+    for (backend, make) in backends() {
+        let pictures = scenes.each_ref().map(|(cells, scene)| {
+            let mut renderer = make(options);
+            let first = renderer.render(scene, &views[0]).expect("the camera is valid").image;
+            let mut frame = 0;
+            group.bench_function(format!("{cells}/{backend}"), |bencher| {
+                bencher.iter(|| {
+                    frame += 1;
+                    renderer.render(scene, &views[frame % views.len()]).expect("the camera is valid")
+                });
+            });
+            first
+        });
+        let [a, b] = &pictures;
+        assert!(a.covered([0.0; 4]) > a.pixels.len() as u64 / 10, "{backend}: nothing shows");
+        let difference = a.difference(b, [0.0; 4]).expect("they are of one size");
+        assert!(difference.max < 1e-4, "{backend}: {difference:?}");
+    }
+    group.finish();
+}
+
+/// What makes a renderer on some backend.
+type Make = Box<dyn Fn(RenderOptions) -> Renderer>;
+
+/// The processor, and the GPU if there is one, with what makes their renderers.
+fn backends() -> Vec<(&'static str, Make)> {
+    let mut backends: Vec<(_, Make)> = vec![("cpu", Box::new(Renderer::new))];
+    #[cfg(feature = "gpu")]
+    {
+        use cellfan::backends::gpu::{Gpu, GpuCompositor};
+        match Gpu::open(None) {
+            Ok(gpu) => backends.push((
+                "gpu",
+                Box::new(move |options| Renderer::on_gpu(options, gpu.clone(), GpuCompositor::MEMORY_BYTES)),
+            )),
+            Err(error) => println!("no GPU is measured: {error}"),
+        }
+    }
+    backends
+}
+
+criterion_group!(benches, frames, hexahedra);
 criterion_main!(benches);

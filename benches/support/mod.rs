@@ -24,9 +24,13 @@ impl Mesh {
 
     /// A view of the whole mesh, turned by `degrees`.
     pub(crate) fn camera(&self, degrees: f64, side_px: u32) -> Camera {
-        let corners = self.dataset.bounds.corners().map(|corner| corner.as_dvec3() + self.dataset.origin);
-        Camera::framing(&corners, 30.0 + degrees, 20.0, side_px, side_px)
+        framing(&self.dataset, degrees, side_px)
     }
+}
+
+/// A view of all of a mesh, turned by `degrees`.
+pub(crate) fn framing(dataset: &Dataset, degrees: f64, side_px: u32) -> Camera {
+    Camera::framing(&dataset.corners_world(), 30.0 + degrees, 20.0, side_px, side_px)
 }
 
 /// Below this value nothing shows.

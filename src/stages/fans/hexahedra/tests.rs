@@ -62,7 +62,7 @@ fn parts_are_those_between_the_triangles_that_the_ray_crosses() {
             let (vertex, shape) = (hexahedra.get(cell), hexahedra.shape(cell));
             let Some(pixels) = PixelBoxes::new(&view).of_cell(vertex, &vertices, &screen) else { continue };
             let fan = HexFan::new(&view, pixels, (vertex, shape), (&vertices, &screen), None);
-            let [x, y] = [(pixels.x0 + pixels.x1) / 2, (pixels.y0 + pixels.y1) / 2];
+            let [x, y] = [pixels.x0.midpoint(pixels.x1), pixels.y0.midpoint(pixels.y1)];
             let ray = ray(&view, x.into(), y.into());
             let corner = |i: u8| vertices[vertex[usize::from(i)] as usize];
             let triangles = (0..6).flat_map(|face| shape.triangles(face));
