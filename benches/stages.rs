@@ -17,7 +17,7 @@ use cellfan::stages::classify::classify;
 use cellfan::stages::classify::polyhedra::{Placed, Projection, Projections};
 use cellfan::stages::cull::{Culled, cull};
 use cellfan::stages::fans::polyhedra::{CellFans, ProjectedCorner};
-use cellfan::stages::fans::{self, Fan, FanInput, PlanesFor};
+use cellfan::stages::fans::{self, Faces, Fan, FanInput, FanStyle, PlanesFor};
 use cellfan::stages::footprints::planes::{Batch, Corners, TileRays};
 use cellfan::stages::footprints::{PixelBox, PixelBoxes};
 use cellfan::stages::project::{project, scene_vertices};
@@ -305,9 +305,15 @@ fn bench_topological(criterion: &mut Criterion) {
     assert!(layers > 100 && check.pairs > seen.cells());
 }
 
+/// Tetrahedra like this; there are no other cells.
+fn style(planes_for: PlanesFor) -> FanStyle {
+    FanStyle { planes_for, faces: Faces::Exact }
+}
+
 fn bench_fans(criterion: &mut Criterion) {
     let seen = Seen::new(Kind::Delaunay);
-    let input = FanInput::new(&seen.view, &seen.mesh.dataset, &seen.vertices, &seen.screen, None, PlanesFor::NearCells);
+    let input =
+        FanInput::new(&seen.view, &seen.mesh.dataset, &seen.vertices, &seen.screen, None, style(PlanesFor::NearCells));
     let cells: Vec<u32> = (0..seen.cells() as u32).collect();
     let mut group = criterion.benchmark_group("stage/fans");
     let mut memory = vec![Fan::default(); fans::count(&input, &cells)];
@@ -315,7 +321,8 @@ fn bench_fans(criterion: &mut Criterion) {
     let mut stage = || fans::write(&input, &cells, &mut &mut memory[..]);
     stage();
     group.bench_function("write", |b| b.iter(&mut stage));
-    let planes = FanInput::new(&seen.view, &seen.mesh.dataset, &seen.vertices, &seen.screen, None, PlanesFor::AllCells);
+    let planes =
+        FanInput::new(&seen.view, &seen.mesh.dataset, &seen.vertices, &seen.screen, None, style(PlanesFor::AllCells));
     let mut as_planes = memory.clone();
     let mut stage = || fans::write(&planes, &cells, &mut &mut as_planes[..]);
     stage();

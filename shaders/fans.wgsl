@@ -37,8 +37,10 @@ fn box_of(fan: u32) -> vec4<f32> {
 // Five vertices a fan: the thick one, then the ring; of a box one corner twice, then all of them: two triangles cover nothing.
 @vertex
 fn vertex(@builtin(vertex_index) index: u32) -> Fragment {
-    let fan = index / 5u * select(1u, 2u, HAS_HEXAHEDRA);
-    let corner = index % 5u;
+    return fan_vertex(index / 5u * select(1u, 2u, HAS_HEXAHEDRA), index % 5u);
+}
+
+fn fan_vertex(fan: u32, corner: u32) -> Fragment {
     let head = floats(fan, 0u);
     var position_px = head.xy;
     var enter_leave = floats(fan, 1u);
@@ -52,6 +54,11 @@ fn vertex(@builtin(vertex_index) index: u32) -> Fragment {
         position_px = ring.xy;
         enter_leave = ring.zwzw;
     }
+    return fragment_at(fan, position_px, enter_leave);
+}
+
+fn fragment_at(fan: u32, position_px: vec2<f32>, enter_leave: vec4<f32>) -> Fragment {
+    let head = floats(fan, 0u);
     var out: Fragment;
     out.position = vec4<f32>(position_px * frame.ndc_scale + frame.ndc_offset, 0.0, 1.0);
     out.enter_leave = enter_leave;

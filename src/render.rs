@@ -29,7 +29,7 @@ use crate::optics::{
 };
 use crate::profile::{CellStats, OrderStats, Profile};
 use crate::stages::View;
-use crate::stages::classify::ProjectionClass;
+use crate::stages::fans::Faces;
 use crate::stages::sort::topological::Topological;
 use crate::stages::sort::{KeyMaker, SortMethod};
 
@@ -58,6 +58,8 @@ pub struct RenderOptions {
     pub stop_transmittance: f32,
     /// Footprints or fans.
     pub cpu_method: CpuMethod,
+    /// How fans draw faces of four corners; footprints are always exact.
+    pub faces: Faces,
     /// Count the neighbouring cells that the order puts the wrong way round.
     pub check_order: bool,
     /// What scene, picture and all that a frame takes may hold in bytes, columns of mapped files aside. A frame that would
@@ -76,6 +78,7 @@ impl Default for RenderOptions {
             sort: SortMethod::Auto,
             stop_transmittance: 1e-5,
             cpu_method: CpuMethod::Footprints,
+            faces: Faces::Exact,
             check_order: false,
             memory_bytes: None,
             instruction_set: None,
@@ -199,6 +202,7 @@ impl Renderer {
             view: &view,
             keys: KeyMaker::new(order.key, &view, topological.layer_from_cell()),
             is_exact: order.is_exact,
+            faces: options.faces,
             stop_transmittance: options.stop_transmittance,
             memory_bytes: options.memory_bytes,
         };
@@ -242,6 +246,10 @@ impl Renderer {
             let problem =
                 "exact checks every fragment, which fans (and GPUs) do not; use footprints, or topological".to_owned();
             return Err(Error::Option { option: "--sort", problem });
+        }
+        if options.faces == Faces::Fan && !self.draws_fans() {
+            let problem = "footprints have exact faces; fan is for --cpu-method fans and for GPUs".to_owned();
+            return Err(Error::Option { option: "--faces", problem });
         }
         if options.output == Output::Depth && options.model != Model::Absorption {
             let problem = format!("depth is that of the absorption model, not of {}", options.model);
@@ -315,11 +323,7 @@ impl Renderer {
 fn cell_stats(dataset: &Dataset, counts: &Counts, is_classified: bool) -> CellStats {
     let file = &dataset.counts;
     let skipped = file.lower_dimensional + file.ghost + file.unsupported;
-    let by_class = if is_classified {
-        ProjectionClass::ALL.iter().map(|&class| (class.name(), counts.by_class[class as usize])).collect()
-    } else {
-        Vec::new()
-    };
+    let by_class = if is_classified { counts.by_class.named() } else { Vec::new() };
     CellStats {
         total: (dataset.cells() - dataset.hexahedra.absent()) as u64 + file.degenerate + skipped,
         drawn: counts.drawn,

@@ -9,8 +9,9 @@ use rayon::prelude::*;
 use super::{Counts, Frame};
 use crate::profile::Profile;
 use crate::stages::ScreenVertex;
+use crate::stages::classify::ClassCounts;
 use crate::stages::cull;
-use crate::stages::fans::{self, FanInput, FanSlot, PlanesFor};
+use crate::stages::fans::{self, FanInput, FanSlot, FanStyle, PlanesFor};
 use crate::stages::footprints::PixelBoxes;
 use crate::stages::project::project;
 use crate::stages::sort::radix::{Pair, index_of, pair, sort_coherent};
@@ -39,7 +40,7 @@ impl Slice {
     }
 
     /// Writes them; how many there are by class.
-    pub(super) fn write<S: FanSlot>(&self, input: &FanInput, memory: S) -> [u64; 5] {
+    pub(super) fn write<S: FanSlot>(&self, input: &FanInput, memory: S) -> ClassCounts {
         fans::write_runs(input, &self.runs, &self.fans_of_run, memory)
     }
 }
@@ -62,7 +63,8 @@ impl DrawOrder {
 
     /// What the fans of the frame are made from.
     pub(super) fn fan_input<'a>(&'a self, frame: &Frame<'a>, planes_for: PlanesFor) -> FanInput<'a> {
-        FanInput::new(frame.view, frame.dataset, frame.vertices, &self.screen, frame.cell_values(), planes_for)
+        let style = FanStyle { planes_for, faces: frame.faces };
+        FanInput::new(frame.view, frame.dataset, frame.vertices, &self.screen, frame.cell_values(), style)
     }
 
     /// Slices of at most `fans` fans, farthest first: nearest first is the order of the keys, blending wants the farthest first.

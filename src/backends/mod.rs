@@ -10,7 +10,8 @@ pub mod gpu;
 
 use crate::columns::{Association, Dataset, Field};
 use crate::optics::{BandPiece, CullTable, Intervals, Pieces};
-use crate::stages::classify::ProjectionClass;
+use crate::stages::classify::ClassCounts;
+use crate::stages::fans::Faces;
 use crate::stages::sort::KeyMaker;
 use crate::stages::{SceneVertex, View};
 
@@ -35,6 +36,8 @@ pub struct Frame<'a> {
     pub keys: KeyMaker<'a>,
     /// Whether fragments found out of order are put right; otherwise they are only counted.
     pub is_exact: bool,
+    /// How rasterisers draw faces of four corners.
+    pub faces: Faces,
     /// A ray ends below this transmittance; 0 never ends one.
     pub stop_transmittance: f32,
     /// What scene and frame may hold, mapped files aside; `None` for any amount.
@@ -70,8 +73,8 @@ pub struct Counts {
     pub culled_outside: u64,
     /// Cells with a value that is not finite.
     pub invalid: u64,
-    /// Cells by [`ProjectionClass`], where classified.
-    pub by_class: [u64; 5],
+    /// Cells by class, where classified.
+    pub by_class: ClassCounts,
     /// Triangles rasterised.
     pub triangles: u64,
     /// Fragments that met their pixel after one that lies behind them.
@@ -82,11 +85,9 @@ pub struct Counts {
 
 impl Counts {
     /// Counts fans by class, and their triangles.
-    fn add_classes(&mut self, by_class: [u64; 5]) {
-        for (class, n) in ProjectionClass::ALL.into_iter().zip(by_class) {
-            self.by_class[class as usize] += n;
-            self.triangles += n * class.triangles() as u64;
-        }
+    fn add_classes(&mut self, by_class: ClassCounts) {
+        self.by_class += by_class;
+        self.triangles += by_class.triangles();
     }
 }
 
@@ -96,9 +97,7 @@ impl std::ops::AddAssign for Counts {
         self.culled_transparent += other.culled_transparent;
         self.culled_outside += other.culled_outside;
         self.invalid += other.invalid;
-        for (mine, its) in self.by_class.iter_mut().zip(other.by_class) {
-            *mine += its;
-        }
+        self.by_class += other.by_class;
         self.triangles += other.triangles;
         self.violations += other.violations;
         self.tiles_redone += other.tiles_redone;

@@ -240,6 +240,7 @@ fn options(arguments: &Arguments, path: &Path) -> cellfan::Result<RenderOptions>
         stop_transmittance: arguments.stop,
         cpu_method: arguments.cpu_method,
         check_order: arguments.check_order,
+        faces: arguments.faces,
         ..RenderOptions::default()
     })
 }

@@ -7,7 +7,10 @@
 //!
 //! Source: CellFast, figure 3 (Shirley and Tuchman 1990).
 
+mod counts;
 pub mod polyhedra;
+
+pub use counts::{CellClass, ClassCounts};
 
 use glam::Vec2;
 

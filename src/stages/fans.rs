@@ -8,25 +8,26 @@
 //! the ring, so that one list of indices serves every class. Classes with fewer triangles repeat the thick vertex in the ring.
 //! A vertex carries (v, q), v the inverse depth and q = s·v (parallel rays: q = s): both are affine on the picture over a
 //! triangle of the fan, so that plain interpolation gives each fragment its exact entry and exit.
-//! In the room of a fan: a tetrahedron's planes ([`PlaneFan`]). In the room of two, in meshes that have any, a cell with faces of
-//! four corners ([`HexFan`]); the second room of other cells stays empty. As the papers draw them: [`polyhedra`].
+//! In the room of a fan: a tetrahedron's planes ([`PlaneFan`]). Cells with faces of four corners take the room of two
+//! ([`HexFan`]), or as the papers draw them of four ([`CaseFan`]); in such a mesh all cells do, and tetrahedra leave the rest
+//! empty. To add a record: a file with its layout, its twin in WGSL, its line in [`Contents`].
 
+mod cases;
 mod classes;
 mod hexahedra;
 mod planes;
 pub mod polyhedra;
+mod tetrahedra;
 
 use arrayvec::ArrayVec;
 use bytemuck::{Pod, Zeroable};
-use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-use super::classify::{ProjectionClass, classify};
-use super::footprints::PixelBoxes;
-use super::near::{self, Corner};
+use super::classify::{CellClass, ClassCounts};
 use super::{PixelProjection, SceneVertex, ScreenVertex, View};
 use crate::columns::{Dataset, HexahedraView};
-use classes::{Projected, fan};
+use cases::Drawn;
+use tetrahedra::Tet;
 
 /// One fan as a rasteriser reads it.
 #[repr(C)]
@@ -71,6 +72,7 @@ impl Fan {
     }
 }
 
+pub use cases::CaseFan;
 pub use hexahedra::HexFan;
 pub use planes::PlaneFan;
 
@@ -113,20 +115,43 @@ pub enum PlanesFor {
     AllCells,
 }
 
+/// How faces of four corners are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Faces {
+    /// By their two triangles, in each fragment: [`HexFan`].
+    #[default]
+    Exact,
+    /// By the triangles of the cell's case, as in the papers: [`CaseFan`].
+    Fan,
+}
+
 /// What may stand among fans, in their room.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Contents {
     /// [`PlaneFan`]s.
     pub has_planes: bool,
-    /// [`HexFan`]s.
-    pub has_hexahedra: bool,
+    /// Cells with faces of four corners, and how they are drawn.
+    pub whole_cells: Option<Faces>,
 }
 
 impl Contents {
     /// The fans whose room one record takes, whatever it is.
     pub fn fans_per_record(self) -> usize {
-        if self.has_hexahedra { HexFan::FANS } else { 1 }
+        match self.whole_cells {
+            None => 1,
+            Some(Faces::Exact) => HexFan::FANS,
+            Some(Faces::Fan) => CaseFan::FANS,
+        }
     }
+}
+
+/// What is drawn how.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FanStyle {
+    /// Tetrahedra.
+    pub planes_for: PlanesFor,
+    /// Other cells.
+    pub faces: Faces,
 }
 
 /// What fans are made from.
@@ -134,6 +159,7 @@ impl Contents {
 pub struct FanInput<'a> {
     view: &'a View,
     planes_for: PlanesFor,
+    faces: Faces,
     dataset: &'a Dataset,
     vertices: &'a [SceneVertex],
     screen: &'a [ScreenVertex],
@@ -144,12 +170,6 @@ pub struct FanInput<'a> {
     hexahedra: HexahedraView<'a>,
 }
 
-/// The fans of one cell, and their classes; planes have none.
-type CellFans = ArrayVec<(Option<ProjectionClass>, Fan), 3>;
-
-/// Fans that are written at once.
-const WRITTEN_AT_ONCE: usize = 16;
-
 impl<'a> FanInput<'a> {
     /// For one view, whose projection of `vertices` is `screen`; `cell_values` holds cell data, `None` takes the vertices' scalars.
     pub fn new(
@@ -158,13 +178,20 @@ impl<'a> FanInput<'a> {
         vertices: &'a [SceneVertex],
         screen: &'a [ScreenVertex],
         cell_values: Option<&'a [f32]>,
-        planes_for: PlanesFor,
+        FanStyle { planes_for, faces }: FanStyle,
     ) -> Self {
-        let projection = view.projection();
-        let hexahedra = dataset.hexahedra.view();
-        let has_near_cells = false;
-        let mut input =
-            Self { view, planes_for, dataset, vertices, screen, cell_values, projection, has_near_cells, hexahedra };
+        let mut input = Self {
+            view,
+            planes_for,
+            faces,
+            dataset,
+            vertices,
+            screen,
+            cell_values,
+            projection: view.projection(),
+            has_near_cells: false,
+            hexahedra: dataset.hexahedra.view(),
+        };
         input.has_near_cells = screen.par_iter().with_min_len(1 << 14).any(|vertex| input.is_near(vertex));
         input
     }
@@ -186,7 +213,7 @@ impl<'a> FanInput<'a> {
             PlanesFor::NearCells => self.has_near_cells,
             PlanesFor::AllCells => true,
         };
-        Contents { has_planes, has_hexahedra: !self.hexahedra.is_empty() }
+        Contents { has_planes, whole_cells: (!self.hexahedra.is_empty()).then_some(self.faces) }
     }
 
     /// See [`Contents::fans_per_record`].
@@ -196,148 +223,108 @@ impl<'a> FanInput<'a> {
 
     /// No cell has more fans than this.
     pub fn fans_per_cell_max(&self) -> usize {
-        self.fans_per_record() * if self.has_near_cells && self.planes_for == PlanesFor::NoCells { 3 } else { 1 }
+        let Contents { whole_cells, .. } = self.contents();
+        let parts = if whole_cells == Some(Faces::Fan) { cases::PARTS_MAX } else { 1 };
+        let cuts = if self.has_near_cells && self.planes_for == PlanesFor::NoCells { 3 } else { 1 };
+        self.fans_per_record() * parts * cuts
     }
 
-    /// The projected corners of a cell, and its scalars.
+    /// Whether a cell is a tetrahedron.
     #[inline]
-    fn corners(&self, cell: u32) -> ([Vec3; 4], [f32; 4]) {
-        let corners = self.dataset.tets.get(cell as usize).map(|v| self.screen[v as usize]);
-        let constant = self.cell_values.map(|values| values[cell as usize]);
-        (
-            corners.map(|corner| Vec3::new(corner.x_px, corner.y_px, corner.depth)),
-            corners.map(|corner| constant.unwrap_or(corner.scalar)),
-        )
+    fn is_tet(&self, cell: u32) -> bool {
+        (cell as usize) < self.dataset.tets.len()
     }
 
-    /// Whether the cell is a tetrahedron that needs care.
+    /// How many records a cell has.
     #[inline]
-    fn is_near_cell(&self, cell: u32) -> bool {
-        self.has_near_cells
-            && (cell as usize) < self.dataset.tets.len()
-            && self.dataset.tets.get(cell as usize).iter().any(|&v| self.is_near(&self.screen[v as usize]))
-    }
-
-    /// The fan of a tetrahedron.
-    #[inline]
-    fn of_corners(&self, projected: [Vec3; 4], scalars: [f32; 4], is_positive: bool) -> (ProjectionClass, Fan) {
-        let classified = classify(projected.map(Vec3::truncate), is_positive);
-        let records = std::array::from_fn(|k| {
-            let Vec3 { x, y, z: w } = projected[k];
-            let v = self.view.inverse_depth(w);
-            Projected { xy: Vec2::new(x, y), v, q: scalars[k] * if self.view.is_perspective { v } else { 1.0 } }
-        });
-        let fold = |of: fn(f32, f32) -> f32| of(of(scalars[0], scalars[1]), of(scalars[2], scalars[3]));
-        (classified.class, fan(classified, records, [fold(f32::min), fold(f32::max)]))
-    }
-
-    /// The parts of a cell that lie behind the near plane.
-    #[cold]
-    fn of_cut_cell(&self, cell: u32) -> CellFans {
-        let (projected, scalars) = self.corners(cell);
-        let corners = self.dataset.tets.get(cell as usize).map(|v| self.vertices[v as usize].position);
-        let corners = std::array::from_fn(|k| Corner {
-            position: Vec3::from_array(corners[k]),
-            scalar: scalars[k],
-            depth: projected[k].z,
-        });
-        let mut parts = [corners; 3];
-        let count = near::cut(corners, self.view.near, &mut parts);
-        let of_part = |part: &[Corner; 4]| {
-            let projected = part.map(|corner| self.projection.project(corner.position));
-            let scalars = part.map(|corner| corner.scalar);
-            let (class, fan) = self.of_corners(projected, scalars, self.dataset.positive.get(cell as usize));
-            (Some(class), fan)
-        };
-        parts[..count].iter().map(of_part).collect()
-    }
-
-    /// A cell as its planes; none for a sliver behind the near plane, which has a fan.
-    fn of_planes(&self, cell: u32, is_near: bool) -> Option<Fan> {
-        let tet = self.dataset.tets.get(cell as usize);
-        let Some(pixels) = PixelBoxes::new(self.view).of_cell(tet, self.vertices, self.screen) else {
-            return Some(Fan::default());
-        };
-        let constant = self.cell_values.map(|values| values[cell as usize]);
-        let is_positive = self.dataset.positive.get(cell as usize);
-        let (fan, is_steep) = PlaneFan::new(self.view, pixels, (tet, is_positive), self.vertices, constant);
-        (is_near || !is_steep).then(|| bytemuck::cast(fan))
-    }
-
-    /// A cell with faces of four corners.
-    #[inline]
-    fn of_hexahedron(&self, cell: usize) -> HexFan {
-        let number = cell - self.dataset.tets.len();
-        let vertex = self.hexahedra.get(number);
-        let Some(pixels) = PixelBoxes::new(self.view).of_cell(vertex, self.vertices, self.screen) else {
-            return HexFan::default();
-        };
-        let constant = self.cell_values.map(|values| values[cell]);
-        HexFan::new(self.view, pixels, (vertex, self.hexahedra.shape(number)), (self.vertices, self.screen), constant)
-    }
-
-    /// The fans of `cell`, a tetrahedron.
-    #[inline]
-    fn of_tetrahedron(&self, cell: u32) -> CellFans {
-        let is_near = self.is_near_cell(cell);
-        if is_near && self.planes_for == PlanesFor::NoCells {
-            return self.of_cut_cell(cell);
+    fn records_of(&self, cell: u32) -> usize {
+        if self.is_tet(cell) {
+            return self.fans_of(&self.tet(cell));
         }
-        if (is_near || self.planes_for == PlanesFor::AllCells)
-            && let Some(fan) = self.of_planes(cell, is_near)
-        {
-            return std::iter::once((None, fan)).collect();
+        match self.faces {
+            Faces::Exact => 1,
+            Faces::Fan => match self.of_whole_cell(cell as usize) {
+                Drawn::EdgeOn => 0,
+                Drawn::Case(..) => 1,
+                Drawn::Parts(parts) => parts.iter().map(|part| self.fans_of(part)).sum(),
+            },
         }
-        let (projected, scalars) = self.corners(cell);
-        let (class, fan) = self.of_corners(projected, scalars, self.dataset.positive.get(cell as usize));
-        std::iter::once((Some(class), fan)).collect()
     }
 }
 
-/// How many fans `cells` need: a record each, and up to three where a tetrahedron is cut at the near plane.
+/// How many fans `cells` need.
 pub fn count(input: &FanInput, cells: &[u32]) -> usize {
-    let records = |&cell: &u32| if input.is_near_cell(cell) { input.of_cut_cell(cell).len() } else { 1 };
-    let are_cut = input.has_near_cells && input.planes_for == PlanesFor::NoCells;
-    input.fans_per_record() * if are_cut { cells.iter().map(records).sum() } else { cells.len() }
+    let fans_per_record = input.fans_per_record();
+    if input.fans_per_cell_max() == fans_per_record {
+        return fans_per_record * cells.len();
+    }
+    fans_per_record * cells.iter().map(|&cell| input.records_of(cell)).sum::<usize>()
 }
 
 /// Writes the fans of `cells`, in their order, into `slot`; counts them by class. A cell seen edge-on has a fan that covers nothing.
 ///
 /// # Panics
 /// If the slot has not the room that [`count`] asks for.
-pub fn write(input: &FanInput, cells: &[u32], slot: &mut impl FanSlot) -> [u64; 5] {
-    let mut by_class = [0; 5];
-    let mut some: ArrayVec<Fan, WRITTEN_AT_ONCE> = ArrayVec::new();
-    let fans_per_record = input.fans_per_record();
+pub fn write(input: &FanInput, cells: &[u32], slot: &mut impl FanSlot) -> ClassCounts {
+    let mut writer = Writer { input, fans: ArrayVec::new(), slot, by_class: ClassCounts::default() };
     for &cell in cells {
-        if cell as usize >= input.dataset.tets.len() {
-            let fans: [Fan; HexFan::FANS] = bytemuck::cast(input.of_hexahedron(cell as usize));
-            put(&mut some, &fans, slot);
-            continue;
-        }
-        for (class, fan) in input.of_tetrahedron(cell) {
-            if let Some(class) = class {
-                by_class[class as usize] += 1;
+        if input.is_tet(cell) {
+            writer.put_tet(&input.tet(cell));
+        } else if input.faces == Faces::Exact {
+            writer.put(&bytemuck::cast::<_, [Fan; HexFan::FANS]>(input.of_hexahedron(cell as usize)));
+        } else {
+            match input.of_whole_cell(cell as usize) {
+                Drawn::EdgeOn => writer.by_class.add(CellClass::EDGE_ON),
+                Drawn::Case(class, fan) => {
+                    writer.by_class.add(class);
+                    writer.put(&bytemuck::cast::<_, [Fan; CaseFan::FANS]>(*fan));
+                }
+                Drawn::Parts(parts) => {
+                    writer.by_class.add(CellClass::SPLIT);
+                    parts.iter().for_each(|part| writer.put_tet(part));
+                }
             }
-            put(&mut some, &[fan, Fan::default()][..fans_per_record], slot);
         }
     }
-    slot.put(&some);
-    by_class
+    writer.slot.put(&writer.fans);
+    writer.by_class
 }
 
-/// Adds a record to those that are written at once.
-#[inline]
-fn put(some: &mut ArrayVec<Fan, WRITTEN_AT_ONCE>, record: &[Fan], slot: &mut impl FanSlot) {
-    if some.remaining_capacity() < record.len() {
-        slot.put(some);
-        some.clear();
+/// Fans that are written at once: whole records.
+const WRITTEN_AT_ONCE: usize = 16;
+
+/// Collects records, and writes them some at a time.
+struct Writer<'a, 'b, S> {
+    input: &'a FanInput<'a>,
+    fans: ArrayVec<Fan, WRITTEN_AT_ONCE>,
+    slot: &'b mut S,
+    by_class: ClassCounts,
+}
+
+impl<S: FanSlot> Writer<'_, '_, S> {
+    #[inline]
+    fn put(&mut self, record: &[Fan]) {
+        if self.fans.remaining_capacity() < record.len() {
+            self.slot.put(&self.fans);
+            self.fans.clear();
+        }
+        self.fans.extend(record.iter().copied());
     }
-    some.extend(record.iter().copied());
+
+    #[inline]
+    fn put_tet(&mut self, tet: &Tet) {
+        let fans_per_record = self.input.fans_per_record();
+        for (class, fan) in self.input.of_tet(tet) {
+            if let Some(class) = class {
+                self.by_class.add(class.into());
+            }
+            self.put(&[fan, Fan::default(), Fan::default(), Fan::default()][..fans_per_record]);
+        }
+    }
 }
 
 /// Writes the fans of `runs` of cells, each of as many fans as `counts` says, one run after the other, in parallel.
-pub fn write_runs<S: FanSlot>(input: &FanInput, runs: &[Vec<u32>], counts: &[usize], memory: S) -> [u64; 5] {
+pub fn write_runs<S: FanSlot>(input: &FanInput, runs: &[Vec<u32>], counts: &[usize], memory: S) -> ClassCounts {
     let mut slots = Vec::with_capacity(runs.len());
     let mut free = memory;
     for &count in counts {
@@ -346,7 +333,10 @@ pub fn write_runs<S: FanSlot>(input: &FanInput, runs: &[Vec<u32>], counts: &[usi
         slots.push(slot);
     }
     let by_run = runs.par_iter().zip(slots).map(|(run, mut slot)| write(input, run, &mut slot));
-    by_run.reduce(|| [0; 5], |a, b| std::array::from_fn(|class| a[class] + b[class]))
+    by_run.reduce(ClassCounts::default, |mut all, some| {
+        all += some;
+        all
+    })
 }
 
 #[cfg(test)]

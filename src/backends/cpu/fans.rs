@@ -15,7 +15,7 @@ use crate::optics::lanes::two_sum;
 use crate::optics::{CellSpan, LANES, Optics, Segments};
 use crate::profile::Profile;
 use crate::stages::View;
-use crate::stages::fans::{Fan, HexFan, PlanesFor};
+use crate::stages::fans::{CaseFan, Fan, HexFan, PlanesFor};
 
 /// Fans that are in memory at once.
 const SLICE: usize = 1 << 16;
@@ -52,9 +52,12 @@ impl FanCompositor {
             let draw = |(band, pixels): (usize, &mut [[f32; 4]]), lost: &mut [[f32; 4]]| {
                 let mut rows = Rows { first: band * BAND, width: width as usize, pixels, lost };
                 for record in self.fans.chunks(fans_per_record) {
-                    match HexFan::of_record(record) {
-                        Some(hexahedron) => rows.draw_hexahedron(frame, optics, &hexahedron),
-                        None => rows.draw_fan(frame, optics, &record[0]),
+                    if let Some(cell) = HexFan::of_record(record) {
+                        rows.draw_hexahedron(frame, optics, &cell);
+                    } else if let Some(cell) = CaseFan::of_record(record) {
+                        rows.draw_case(frame, optics, &cell);
+                    } else {
+                        rows.draw_fan(frame, optics, &record[0]);
                     }
                 }
             };
@@ -107,6 +110,15 @@ impl Rows<'_> {
         let span = CellSpan::new(frame.intervals(), low, high);
         for triangle in Fan::TRIANGLES {
             self.draw_triangle(frame.view, optics, (span, fan.s_range), triangle.map(|i| fan.vertex(i)));
+        }
+    }
+
+    fn draw_case<O: Optics>(&mut self, frame: &Frame, optics: &O, cell: &CaseFan) {
+        let [low, high] = cell.s_range;
+        let span = CellSpan::new(frame.intervals(), low, high);
+        for triangle in cell.triangles() {
+            let triangle = triangle.map(|vertex| (vertex.position_px, vertex.front, vertex.back));
+            self.draw_triangle(frame.view, optics, (span, cell.s_range), triangle);
         }
     }
 

@@ -12,7 +12,7 @@ use crate::columns::Field;
 use crate::error::Result;
 use crate::optics::texture::OpacityTexture;
 use crate::optics::{Integral, Model, Shading, Textured};
-use crate::stages::fans::{Contents, Fan, PlanesFor};
+use crate::stages::fans::{CaseFan, Contents, Faces, Fan, PlanesFor};
 
 /// Fans that one draw takes: their vertices have 16-bit numbers, relative to the draw's first.
 const FANS_PER_DRAW: usize = 1 << 13;
@@ -154,10 +154,11 @@ impl Pipelines {
         }
         let layouts = [&self.frame_layout, &self.fans_layout];
         let target = (accumulated_format(gpu), Some(blend_state(self.shaders.blend)));
-        let Contents { has_planes, has_hexahedra } = contents;
-        let constants = [("HAS_PLANES", has_planes), ("HAS_HEXAHEDRA", has_hexahedra)]
+        let Contents { has_planes, whole_cells } = contents;
+        let constants = [("HAS_PLANES", has_planes), ("HAS_HEXAHEDRA", whole_cells == Some(Faces::Exact))]
             .map(|(name, is_set)| (name, f64::from(u8::from(is_set))));
-        let shader = Shader { module: &self.module, vertex: "vertex", fragment: "fragment", constants: &constants };
+        let vertex = if whole_cells == Some(Faces::Fan) { "vertex_of_triangle" } else { "vertex" };
+        let shader = Shader { module: &self.module, vertex, fragment: "fragment", constants: &constants };
         self.draw.push((contents, pipeline(gpu, &layouts, shader, target)));
     }
 
@@ -181,6 +182,11 @@ impl Pipelines {
         let records = fans / contents.fans_per_record();
         for first in (0..records).step_by(FANS_PER_DRAW) {
             let count = FANS_PER_DRAW.min(records - first);
+            if contents.whole_cells == Some(Faces::Fan) {
+                let vertices = 3 * CaseFan::TRIANGLES_MAX;
+                pass.draw((first * vertices) as u32..((first + count) * vertices) as u32, 0..1);
+                continue;
+            }
             pass.draw_indexed(0..(count * INDICES_PER_FAN) as u32, (first * VERTICES_PER_FAN) as i32, 0..1);
         }
     }

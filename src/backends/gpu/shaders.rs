@@ -86,6 +86,7 @@ impl ModelShaders {
             shader!("integral"),
             shader!("fans"),
             shader!("hexahedra"),
+            shader!("cases"),
         ];
         common.into_iter().chain(self.fragment.iter().copied()).collect::<Vec<_>>().join("\n")
     }

@@ -17,7 +17,7 @@ use crate::stages::fans::{Fan, FanSlot};
 /// Bytes that a slot has at most: beyond this more memory draws no faster.
 const SLOT_BYTES_MAX: u64 = 32 << 20;
 /// Fans that a slot has at least: no cell has more.
-const FANS_MIN: u64 = 6;
+const FANS_MIN: u64 = 72;
 
 /// One buffer of the ring.
 struct Slot {

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use cellfan::optics::Output;
+use cellfan::stages::fans::Faces;
 use cellfan::{CpuMethod, Integral, Model, SortMethod};
 use clap::Args;
 
@@ -100,6 +101,10 @@ pub(in crate::cli) struct Arguments {
     /// [default: whole where the method can: footprints, without --check-order].
     #[arg(long, value_name = "CELLS", help_heading = "Method", value_parser = one_of([("whole", Cells::Whole), ("tetrahedra", Cells::Tetrahedra)]))]
     pub(super) cells: Option<Cells>,
+    /// How fans, on a GPU or not, draw faces of four corners: by their two triangles in each pixel, or by the triangles of the papers,
+    /// which are approximate where a face is warped. Footprints are exact.
+    #[arg(long, value_name = "FACES", help_heading = "Method", default_value = "exact", value_parser = one_of([("exact", Faces::Exact), ("fan", Faces::Fan)]))]
+    pub(super) faces: Faces,
     /// Count the neighbouring cells that the order puts the wrong way round.
     #[arg(long, help_heading = "Method")]
     pub(super) check_order: bool,

@@ -16,10 +16,10 @@ use arrayvec::ArrayVec;
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3};
 
-use super::Fan;
+use super::{Fan, FanInput};
 use crate::cells::HEXAHEDRON;
 use crate::columns::HexShape;
-use crate::stages::footprints::PixelBox;
+use crate::stages::footprints::{PixelBox, PixelBoxes};
 use crate::stages::{SceneVertex, ScreenVertex, View};
 
 /// A hexahedron in the room of two [`Fan`]s.
@@ -154,6 +154,20 @@ impl HexFan {
         let product = relative[usize::from(first)].perp_dot(relative[usize::from(second)]);
         let is_along = first == i;
         (if is_along { product } else { -product }, (product >= 0.0) == is_along)
+    }
+}
+
+impl FanInput<'_> {
+    /// Cell `cell`, which has faces of four corners, by these.
+    #[inline]
+    pub(super) fn of_hexahedron(&self, cell: usize) -> HexFan {
+        let number = cell - self.dataset.tets.len();
+        let vertex = self.hexahedra.get(number);
+        let Some(pixels) = PixelBoxes::new(self.view).of_cell(vertex, self.vertices, self.screen) else {
+            return HexFan::default();
+        };
+        let constant = self.cell_values.map(|values| values[cell]);
+        HexFan::new(self.view, pixels, (vertex, self.hexahedra.shape(number)), (self.vertices, self.screen), constant)
     }
 }
 

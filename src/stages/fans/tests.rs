@@ -1,19 +1,23 @@
+use glam::{Vec2, Vec3};
+
 use super::*;
 use crate::stages::project::{project, scene_vertices};
 use crate::stages::testing::{Random, corners, depths_in_cell, random_cells, ray, views};
+
+const STYLE: FanStyle = FanStyle { planes_for: PlanesFor::NoCells, faces: Faces::Exact };
 
 /// All fans of `dataset`, each with the cell it belongs to.
 fn all_fans(dataset: &Dataset, vertices: &[SceneVertex], view: &View) -> Vec<(usize, Fan)> {
     let mut screen = Vec::new();
     project(view, vertices, &mut screen);
-    let input = FanInput::new(view, dataset, vertices, &screen, None, PlanesFor::NoCells);
+    let input = FanInput::new(view, dataset, vertices, &screen, None, STYLE);
     let mut all = Vec::new();
     for cell in 0..dataset.tets.len() as u32 {
         let mut fans = vec![Fan::default(); count(&input, &[cell])];
         let mut slot = &mut fans[..];
         let by_class = write(&input, &[cell], &mut slot);
         assert!(slot.is_empty(), "the count is exact");
-        assert_eq!(by_class.iter().sum::<u64>(), fans.len() as u64);
+        assert_eq!(by_class.cells(), fans.len() as u64);
         all.extend(fans.into_iter().map(|fan| (cell as usize, fan)));
     }
     all
