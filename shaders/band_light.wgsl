@@ -54,3 +54,15 @@ fn fragment(in: Fragment) -> Blended {
     let sum = of_cell(in);
     return Blended(vec4<f32>(sum.xy, 1.0 - sum.zw), sum.zwzw);
 }
+
+struct BlendedInOrder {
+    @location(0) @blend_src(0) added: vec4<f32>,
+    @location(0) @blend_src(1) transmittance: vec4<f32>,
+    @builtin(frag_depth) order: f32,
+}
+
+@fragment
+fn fragment_in_order(in: Fragment) -> BlendedInOrder {
+    let sum = of_cell(in);
+    return BlendedInOrder(vec4<f32>(sum.xy, 1.0 - sum.zw), sum.zwzw, order_depth(in));
+}

@@ -22,3 +22,14 @@ fn fragment(in: Fragment) -> @location(0) vec4<f32> {
     let sum = of_cell(in);
     return vec4<f32>(sum.rgb, 1.0 - sum.a);
 }
+
+struct InOrder {
+    @location(0) color: vec4<f32>,
+    @builtin(frag_depth) order: f32,
+}
+
+@fragment
+fn fragment_in_order(in: Fragment) -> InOrder {
+    let sum = of_cell(in);
+    return InOrder(vec4<f32>(sum.rgb, 1.0 - sum.a), order_depth(in));
+}

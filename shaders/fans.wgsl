@@ -89,6 +89,7 @@ fn segment(in: Fragment) -> Segment {
     let v1 = in.enter_leave.z;
     let clipped0 = clamp(v0, frame.v_far, frame.v_near);
     let clipped1 = clamp(v1, frame.v_far, frame.v_near);
+    note_part(clipped0, clipped1);
     // Nearer is larger: a ray enters at the larger v.
     var depth = max(clipped0 - clipped1, 0.0);
     var s0 = in.enter_leave.y;
@@ -147,6 +148,7 @@ fn segment_of_planes(fan: u32, pixel: vec2<f32>) -> Segment {
     if !(depth > 0.0) {
         return Segment(head.w, head.w, 0.0);
     }
+    note_part(enter, leave);
     let on_picture = scalar[0] + scalar[1] * at.x + scalar[2] * at.y;
     let world = length_per_depth(pixel);
     if frame.is_perspective != 0u {

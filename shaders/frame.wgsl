@@ -20,6 +20,9 @@ struct Frame {
     // Maxima are accumulated as (s - s_middle) · s_scale: 0 and 1, or what fits 16 bits.
     s_middle: f32,
     s_scale: f32,
+    // Along parallel rays the order is checked by inverse depth · order_scale + order_offset, from 0 to 1.
+    order_scale: f32,
+    order_offset: f32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

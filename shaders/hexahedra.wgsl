@@ -143,6 +143,7 @@ fn part_between(in: Fragment, flags: u32, enter: vec2<f32>, leave: vec2<f32>) ->
         let w0 = clamp(enter.x, 1.0 / frame.v_near, far);
         let w1 = clamp(leave.x, 1.0 / frame.v_near, far);
         depth = w1 - w0;
+        note_part(1.0 / w0, 1.0 / w1);
         cut0 = (w0 - enter.x) / (leave.x - enter.x);
         cut1 = (w1 - enter.x) / (leave.x - enter.x);
     } else {
@@ -151,6 +152,7 @@ fn part_between(in: Fragment, flags: u32, enter: vec2<f32>, leave: vec2<f32>) ->
         let v1 = v_origin - leave.x;
         let clipped0 = clamp(v0, frame.v_far, frame.v_near);
         let clipped1 = clamp(v1, frame.v_far, frame.v_near);
+        note_part(clipped0, clipped1);
         let is_whole = clipped0 == v0 && clipped1 == v1;
         // Relative to the origin nothing cancels.
         depth = select(clipped0 - clipped1, leave.x - enter.x, is_whole);

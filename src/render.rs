@@ -202,6 +202,7 @@ impl Renderer {
             view: &view,
             keys: KeyMaker::new(order.key, &view, topological.layer_from_cell()),
             is_exact: order.is_exact,
+            tiles: None,
             faces: options.faces,
             stop_transmittance: options.stop_transmittance,
             memory_bytes: options.memory_bytes,
@@ -219,8 +220,8 @@ impl Renderer {
     /// Whether the method can draw the scene's cells.
     fn check_cells(&self, scene: &Scene) -> Result<()> {
         let options = self.options;
-        let takes_graph =
-            options.sort == SortMethod::Topological || (options.sort == SortMethod::Auto && self.draws_fans());
+        let takes_graph = options.sort == SortMethod::Topological
+            || (matches!(options.sort, SortMethod::Auto | SortMethod::Exact) && self.draws_fans());
         let needs_tetrahedra = if options.check_order {
             "--check-order"
         } else if takes_graph && !options.model.is_order_free() {
@@ -242,9 +243,10 @@ impl Renderer {
             let problem = format!("{}; a transmittance from 0 (never stop) to below 1", options.stop_transmittance);
             return Err(Error::Option { option: "--stop", problem });
         }
-        if options.sort == SortMethod::Exact && self.draws_fans() {
+        if options.sort == SortMethod::Exact && self.draws_fans() && !self.checks_order() {
             let problem =
-                "exact checks every fragment, which fans (and GPUs) do not; use footprints, or topological".to_owned();
+                "exact checks every fragment, which fans on the processor do not; use footprints, or topological"
+                    .to_owned();
             return Err(Error::Option { option: "--sort", problem });
         }
         if options.faces == Faces::Fan && !self.draws_fans() {
@@ -273,6 +275,14 @@ impl Renderer {
         self.options.cpu_method == CpuMethod::Fans
     }
 
+    /// Whether fans that come too late are found and put right: on a GPU.
+    fn checks_order(&self) -> bool {
+        #[cfg(feature = "gpu")]
+        return self.gpu.is_some();
+        #[cfg(not(feature = "gpu"))]
+        false
+    }
+
     /// Pictures larger than any before have to fit into memory.
     fn check_memory(&mut self, [width, height]: [u32; 2], bands: usize) -> Result<()> {
         let pixels = u64::from(width) * u64::from(height);
@@ -287,12 +297,22 @@ impl Renderer {
 
     /// Chooses the optical model; everything below is compiled for it.
     fn draw(&mut self, frame: &Frame, profile: &mut Profile) -> Result<(Image, Counts)> {
+        #[cfg(feature = "gpu")]
+        if let Some(mut gpu) = self.gpu.take() {
+            let RenderOptions { model, integral, output, .. } = self.options;
+            let shading = Shading { model, integral, output, has_bands: frame.bands.is_some() };
+            let redo = |tiles: &[bool], profile: &mut Profile| self.redo(frame, tiles, profile);
+            let drawn = gpu.draw(frame, shading, redo, profile);
+            self.gpu = Some(gpu);
+            return drawn;
+        }
+        self.draw_on_cpu(frame, profile)
+    }
+
+    /// The same on the processor.
+    fn draw_on_cpu(&mut self, frame: &Frame, profile: &mut Profile) -> Result<(Image, Counts)> {
         let pieces = frame.pieces;
         let RenderOptions { model, integral, output, .. } = self.options;
-        #[cfg(feature = "gpu")]
-        if let Some(gpu) = &mut self.gpu {
-            return gpu.draw(frame, Shading { model, integral, output, has_bands: frame.bands.is_some() }, profile);
-        }
         match (model, integral) {
             (Model::Mip, _) => self.draw_with(frame, &Mip { pieces }, profile),
             (Model::Absorption, _) => match frame.bands {
@@ -314,6 +334,8 @@ impl Renderer {
 
     fn draw_with<O: Optics>(&mut self, frame: &Frame, optics: &O, profile: &mut Profile) -> Result<(Image, Counts)> {
         match self.options.cpu_method {
+            // Tiles are what footprints are drawn in.
+            _ if frame.tiles.is_some() => self.tiles.draw(frame, optics, profile),
             CpuMethod::Footprints => self.tiles.draw(frame, optics, profile),
             CpuMethod::Fans => Ok(self.fans.draw(frame, optics, profile)),
         }

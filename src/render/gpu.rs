@@ -1,11 +1,13 @@
 //! The renderer on a GPU: into memory, or into a caller's texture.
 
 use super::{RenderOptions, Rendered, Renderer, Scene};
+use crate::backends::Frame;
 use crate::backends::gpu::{Gpu, GpuCompositor};
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::image::Image;
 use crate::optics::Shading;
+use crate::profile::Profile;
 
 impl Renderer {
     /// A renderer that draws on `gpu`, in at most `memory_bytes` of its memory
@@ -42,6 +44,12 @@ impl Renderer {
         }
     }
 
+    /// Some tiles of a frame, exact in their order, drawn on the processor.
+    pub(super) fn redo(&mut self, frame: &Frame, tiles: &[bool], profile: &mut Profile) -> Result<Image> {
+        let (image, _) = self.draw_on_cpu(&Frame { tiles: Some(tiles), ..*frame }, profile)?;
+        Ok(image)
+    }
+
     /// Draws one frame into `texture`, a render attachment of the camera's size on the renderer's own device
     /// ([`Gpu::from_device`]), and waits for it. Pixels are those of [`Renderer::render`], as linear values; the image that comes
     /// back is empty.
@@ -56,11 +64,14 @@ impl Renderer {
                 let problem = "a texture holds no bands of their own; take them from Renderer::render".to_owned();
                 return Err(Error::Option { option: "texture", problem });
             }
-            let Some(gpu) = &mut renderer.gpu else {
+            let Some(mut gpu) = renderer.gpu.take() else {
                 let problem = "this renderer draws on the processor; make it with Renderer::on_gpu".to_owned();
                 return Err(Error::Option { option: "texture", problem });
             };
-            let counts = gpu.draw_to_texture(frame, shading, texture, profile)?;
+            let redo = |tiles: &[bool], profile: &mut Profile| renderer.redo(frame, tiles, profile);
+            let counts = gpu.draw_to_texture(frame, shading, texture, redo, profile);
+            renderer.gpu = Some(gpu);
+            let counts = counts?;
             Ok((Image::filled(0, 0, [0.0; 4]), None, counts))
         })
     }

@@ -26,7 +26,8 @@ impl Renderer {
     /// Chooses the order of a frame and makes what its keys are read from.
     ///
     /// `auto` takes what is exact: on the processor fragments are checked and put right, which costs less than a graph of the mesh
-    /// and needs no conditions; fans, on a GPU or not, are checked by nobody and take the topological order.
+    /// and needs no conditions. Fans take the topological order; where that has to break cycles, a GPU checks the order and the
+    /// processor draws the tiles again in which it was wrong.
     pub(super) fn order_frame(
         &self,
         scene: &Scene,
@@ -40,14 +41,21 @@ impl Renderer {
             SortMethod::None => by(SortKey::None),
             SortMethod::Centroid => by(SortKey::Centroid),
             SortMethod::Power => by(SortKey::Power),
-            SortMethod::Auto if !self.draws_fans() => FrameOrder { is_exact: true, ..by(scene.best_key) },
-            SortMethod::Exact => FrameOrder { is_exact: true, ..by(scene.best_key) },
-            SortMethod::Auto | SortMethod::Topological => {
+            SortMethod::Auto | SortMethod::Exact if !self.draws_fans() => {
+                FrameOrder { is_exact: true, ..by(scene.best_key) }
+            }
+            SortMethod::Auto | SortMethod::Exact | SortMethod::Topological => {
                 let adjacency = scene.adjacency(profile);
                 let start = Instant::now();
                 let layers = topological.order(&scene.dataset, adjacency, &scene.vertices, view);
                 profile.add("topological", start.elapsed(), scene.dataset.tets.len() as u64 * 64);
-                FrameOrder { layers: Some(layers), ..by(SortKey::Topological) }
+                let is_exact = self.checks_order()
+                    && match self.options.sort {
+                        SortMethod::Exact => true,
+                        SortMethod::Auto => layers.cycles > 0,
+                        _ => false,
+                    };
+                FrameOrder { layers: Some(layers), is_exact, ..by(SortKey::Topological) }
             }
         }
     }
@@ -55,10 +63,10 @@ impl Renderer {
     /// What is said of the order of a frame that was drawn.
     pub(super) fn order_stats(&self, order: FrameOrder, counts: &Counts, misordered_pairs: Option<u64>) -> OrderStats {
         let is_ordered = !self.options.model.is_order_free();
-        let is_counted = is_ordered && !self.draws_fans();
+        let is_counted = is_ordered && (!self.draws_fans() || order.is_exact);
         let violations = is_counted.then_some(counts.violations);
         let exactness = match order.layers {
-            Some(Layers { cycles, .. }) if cycles > 0 => Exactness::CyclesBroken(cycles),
+            Some(Layers { cycles, .. }) if cycles > 0 && !order.is_exact => Exactness::CyclesBroken(cycles),
             // Built from the graph of what lies before what.
             Some(_) => Exactness::Exact,
             // Every fragment was compared with what its pixel had drawn, and put right. Counting alone proves nothing: a

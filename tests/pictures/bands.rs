@@ -21,6 +21,7 @@ pub(crate) const DEPTH: RenderOptions = RenderOptions {
     sort: cellfan::SortMethod::Auto,
     stop_transmittance: 1e-5,
     cpu_method: CpuMethod::Footprints,
+    faces: cellfan::stages::fans::Faces::Exact,
     check_order: false,
     memory_bytes: None,
     instruction_set: None,

@@ -1,5 +1,7 @@
 //! Cells with faces of four corners, whole: against the reference, closed forms, and their neighbours.
 
+use std::collections::HashMap;
+
 use cellfan::backends::cpu::InstructionSet;
 use cellfan::cells::{HEXAHEDRON, PYRAMID, WEDGE};
 use cellfan::columns::{Array, Association, NumericColumn};
@@ -8,7 +10,8 @@ use cellfan::optics::{BandPoint, BandTable};
 use cellfan::{
     Camera, Dataset, Field, FieldSelection, Model, Points, RenderOptions, Renderer, Scene, SortMethod, TransferFunction,
 };
-use glam::DVec3;
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
 use crate::budget::assert_same_at_any_budget;
 use crate::check::Case;
@@ -212,6 +215,58 @@ fn a_twisted_shell_has_no_artefacts() {
             }
         }
     }
+}
+
+/// The length of each ray of a picture between the faces that belong to one cell only: what all cells together have of it.
+fn lengths_between_outer_faces(dataset: &Dataset, camera: &Camera) -> Vec<f64> {
+    let hexahedra = dataset.hexahedra.view();
+    let mut faces: HashMap<[u32; 4], Option<(usize, usize)>> = HashMap::new();
+    for (cell, face) in (0..hexahedra.len()).flat_map(|cell| (0..6).map(move |face| (cell, face))) {
+        let mut corners = [0, 1, 2, 3].map(|i| hexahedra.get(cell)[usize::from(HEXAHEDRON.faces[face][i])]);
+        corners.sort_unstable();
+        faces.entry(corners).and_modify(|of| *of = None).or_insert(Some((cell, face)));
+    }
+    let at = |v: u32| dataset.origin + Vec3::from_array(dataset.positions[v as usize]).as_dvec3();
+    let triangles = faces.into_values().flatten().flat_map(|(cell, face)| {
+        let corners = hexahedra.get(cell);
+        hexahedra.shape(cell).triangles(face).map(|triangle| triangle.map(|i| at(corners[usize::from(i)])))
+    });
+    let triangles: Vec<[DVec3; 3]> = triangles.collect();
+    let frame = camera.frame().unwrap();
+    let length = |pixel: u32| {
+        let ray = frame.ray(f64::from(pixel % camera.width), f64::from(pixel / camera.width));
+        let (o, d) = (ray.origin, ray.direction);
+        let crossings = triangles.iter().filter_map(|[a, b, c]| {
+            // Möller and Trumbore, signed: positive where the ray leaves.
+            let (ab, ac) = (b - a, c - a);
+            let n = ab.cross(ac);
+            let p = o + d * ((a - o).dot(n) / d.dot(n)) - a;
+            let [u, v] = [p.cross(ac).dot(n), ab.cross(p).dot(n)].map(|part| part / n.length_squared());
+            (u >= 0.0 && v >= 0.0 && u + v < 1.0).then(|| (p + a - o).length() * d.dot(n).signum())
+        });
+        crossings.sum()
+    };
+    (0..camera.width * camera.height).into_par_iter().map(length).collect()
+}
+
+/// As many cells as in the paper (Max 2006, figure 15), each ray.
+#[test]
+fn a_fine_twisted_shell_has_no_artefacts() {
+    let dataset = twisted_shell([100, 20, 70], 1.2).into_whole_dataset().unwrap();
+    assert_eq!(dataset.hexahedra.len(), 140_000);
+    let camera = Camera::framing(&dataset.corners_world(), 20.0, 25.0, 160, 120);
+    let lengths = lengths_between_outer_faces(&dataset, &camera);
+    let extinction = 1.5;
+    let transfer = TransferFunction::new(vec![point(0.0, [0.9, 0.7, 0.5], extinction)]).unwrap();
+    let case = Case::of(dataset.clone(), dataset.homogeneous_field());
+    let picture = case.render(RenderOptions::default(), &transfer, &camera).image;
+    let errors = picture.pixels.iter().zip(&lengths).map(|(pixel, length)| {
+        let opacity = 1.0 - (-extinction * length).exp();
+        (f64::from(pixel[3]) - opacity).abs()
+    });
+    let (worst, covered) = (errors.fold(0.0, f64::max), lengths.iter().filter(|&&length| length > 1e-3).count());
+    println!("{covered} pixels, largest error {worst:.1e}");
+    assert!(covered > 4000 && worst < 1e-4, "{covered} pixels, {worst}");
 }
 
 /// Pyramids in one mesh with hexahedra.

@@ -15,6 +15,8 @@ mod gpu;
 #[cfg(feature = "gpu")]
 mod gpu_bands;
 #[cfg(feature = "gpu")]
+mod gpu_order;
+#[cfg(feature = "gpu")]
 #[path = "../common/gpus.rs"]
 mod gpus;
 mod hexahedra;

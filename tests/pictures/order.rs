@@ -51,7 +51,7 @@ fn an_order_that_is_not_checked_is_not_called_exact() {
 }
 
 /// Three bars around the z axis, each above the next where they cross.
-fn three_bars() -> Case {
+pub(crate) fn three_bars() -> Case {
     let (mut points, mut tets, mut values) = (Vec::new(), Vec::new(), Vec::new());
     for bar in 0..3 {
         let turn = f64::from(bar) * std::f64::consts::TAU / 3.0;

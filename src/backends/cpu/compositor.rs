@@ -11,7 +11,7 @@ use super::block::Projector;
 use super::budget::{self, Plan};
 use super::dispatch::{InstructionSet, Kernels};
 use super::grid::{TILE, TileGrid};
-use super::tile_source::TileSource;
+use super::tile_source::{LentTile, TileSource};
 use super::worker::{Drawn, TileTask, Worker};
 use crate::backends::{Counts, Frame};
 use crate::error::Result;
@@ -127,7 +127,8 @@ impl TileCompositor {
         let width = image.width as usize;
         let pixels = pixels_of(rows, image);
         let tiles = Mutex::new(TileSource::new(&mut image.pixels[pixels], width, grid.tiles(rows).start));
-        let next = || lock(&tiles).next();
+        let is_wanted = |(tile, _): &LentTile| frame.tiles.is_none_or(|wanted| wanted.get(*tile) == Some(&true));
+        let next = || lock(&tiles).find(is_wanted);
         let kernels = Kernels::new(self.instruction_set);
         let task = TileTask { frame, optics, bins: &self.bins, kernels, plan };
         let workers = self.workers.par_iter_mut().with_max_len(1);

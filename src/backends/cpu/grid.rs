@@ -4,11 +4,12 @@
 
 use std::ops::Range;
 
+use crate::backends::TILE_PX;
 use crate::stages::View;
 use crate::stages::footprints::PixelBox;
 
 /// Side of a tile in pixels.
-pub(super) const TILE: u32 = 32;
+pub(super) const TILE: u32 = TILE_PX;
 
 /// The tiles of a picture.
 #[derive(Clone, Copy, Debug, Default)]

@@ -75,7 +75,8 @@ impl Failure {
 const WANTED: Features = Features::FLOAT32_BLENDABLE
     .union(Features::MAPPABLE_PRIMARY_BUFFERS)
     .union(Features::TIMESTAMP_QUERY)
-    .union(Features::DUAL_SOURCE_BLENDING);
+    .union(Features::DUAL_SOURCE_BLENDING)
+    .union(Features::DEPTH32FLOAT_STENCIL8);
 
 /// All adapters, the best one first.
 fn find() -> Vec<wgpu::Adapter> {

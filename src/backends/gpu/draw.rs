@@ -9,7 +9,8 @@ use crossbeam_channel::bounded;
 
 use super::Gpu;
 use super::accumulate::{BYTES_PER_PIXEL, PICTURE_FORMAT, Targets};
-use super::pipelines::Pipelines;
+use super::late::{Late, LateTiles};
+use super::pipelines::{Draw, Pipelines};
 use super::readback::Readback;
 use super::staging::Ring;
 use super::submit::Submitter;
@@ -29,7 +30,18 @@ pub struct GpuCompositor {
     memory_bytes: u64,
     pipelines: Option<Pipelines>,
     targets: Option<(Targets, Readback, Ring)>,
+    late: Option<LateTiles>,
     timestamps: Option<Timestamps>,
+}
+
+/// Draws some tiles of the frame at hand on the processor, one flag each, in an exact order; the rest of the picture is nothing.
+pub trait Redo: FnOnce(&[bool], &mut Profile) -> Result<Image> {}
+
+impl<F: FnOnce(&[bool], &mut Profile) -> Result<Image>> Redo for F {}
+
+/// Whether fragments that come too late are looked for.
+fn is_checked(frame: &Frame, shading: Shading) -> bool {
+    frame.is_exact && !shading.model.is_order_free()
 }
 
 /// Bytes of the ring below which a slice is not worth its submission.
@@ -42,7 +54,7 @@ impl GpuCompositor {
     /// Draws on `gpu` with at most `memory_bytes` of device memory.
     pub fn new(gpu: Gpu, memory_bytes: u64) -> Self {
         let timestamps = Timestamps::new(&gpu);
-        Self { gpu, order: DrawOrder::default(), memory_bytes, pipelines: None, targets: None, timestamps }
+        Self { gpu, order: DrawOrder::default(), memory_bytes, pipelines: None, targets: None, late: None, timestamps }
     }
 
     /// The device it draws on.
@@ -50,12 +62,19 @@ impl GpuCompositor {
         &self.gpu
     }
 
-    /// Draws one frame and reads it back.
+    /// Draws one frame and reads it back; `redo` draws the tiles of a frame in which the order must be exact and was not.
     ///
     /// # Errors
-    /// [`Error::NoDevice`] where the device fails, [`Error::Memory`] where its memory budget is too small for the picture.
-    pub fn draw(&mut self, frame: &Frame, shading: Shading, profile: &mut Profile) -> Result<(Image, Counts)> {
-        let counts = self.accumulate(frame, shading, profile)?;
+    /// [`Error::NoDevice`] where the device fails, [`Error::Memory`] where its memory budget is too small for the picture; those of
+    /// `redo`.
+    pub fn draw(
+        &mut self,
+        frame: &Frame,
+        shading: Shading,
+        redo: impl Redo,
+        profile: &mut Profile,
+    ) -> Result<(Image, Counts)> {
+        let counts = self.accumulate(frame, shading, redo, profile)?;
         let (Some(pipelines), Some((targets, readback, _))) = (&self.pipelines, &self.targets) else {
             return Err(self.gpu.failed("has no picture"));
         };
@@ -87,6 +106,7 @@ impl GpuCompositor {
         frame: &Frame,
         shading: Shading,
         texture: &wgpu::Texture,
+        redo: impl Redo,
         profile: &mut Profile,
     ) -> Result<Counts> {
         let size = [texture.width(), texture.height()];
@@ -95,7 +115,7 @@ impl GpuCompositor {
             let problem = format!("a texture of {size:?}; a render attachment of {width}x{height} pixels is needed");
             return Err(Error::Option { option: "texture", problem });
         }
-        let counts = self.accumulate(frame, shading, profile)?;
+        let counts = self.accumulate(frame, shading, redo, profile)?;
         let (Some(pipelines), Some((targets, ..))) = (&mut self.pipelines, &self.targets) else {
             return Err(self.gpu.failed("has no picture"));
         };
@@ -137,8 +157,14 @@ impl GpuCompositor {
         Ok(())
     }
 
-    /// Blends all fans of a frame.
-    fn accumulate(&mut self, frame: &Frame, shading: Shading, profile: &mut Profile) -> Result<Counts> {
+    /// Blends all fans of a frame, and puts in place of late tiles what `redo` draws there.
+    fn accumulate(
+        &mut self,
+        frame: &Frame,
+        shading: Shading,
+        redo: impl Redo,
+        profile: &mut Profile,
+    ) -> Result<Counts> {
         self.gpu.check()?;
         let start = Instant::now();
         let gpu = self.gpu.clone();
@@ -150,9 +176,10 @@ impl GpuCompositor {
         };
         let (gpu, order, mut timestamps) = (&self.gpu, &self.order, self.timestamps.as_mut());
         let input = order.fan_input(frame, pipelines.planes_for());
-        let contents = input.contents();
+        let late = self.late.as_ref().filter(|_| is_checked(frame, shading));
+        let draw = Draw { contents: input.contents(), is_checked: late.is_some() };
         gpu.make(|| {
-            pipelines.prepare_draw(gpu, contents);
+            pipelines.prepare_draw(gpu, draw);
             Ok(())
         })?;
         let pipelines = &*pipelines;
@@ -161,8 +188,8 @@ impl GpuCompositor {
         }
         let (filled, to_submit) = bounded(1);
         let drawn = std::thread::scope(|scope| {
-            let submitter =
-                scope.spawn(move || Submitter { gpu, pipelines, targets, ring, timestamps, contents }.run(&to_submit));
+            let submitter = scope
+                .spawn(move || Submitter { gpu, pipelines, targets, ring, timestamps, draw, late }.run(&to_submit));
             let mut is_whole = true;
             for slice in order.slices(&input, ring.capacity) {
                 let start = Instant::now();
@@ -184,8 +211,21 @@ impl GpuCompositor {
             if is_whole { drawn } else { Err(gpu.failed("gave no memory to write to")) }
         });
         // A ring that was left in the middle has slots that nobody frees.
-        profile.add("submit", drawn.inspect_err(|_| self.targets = None)?, 0);
+        if drawn.is_err() {
+            self.targets = None;
+        }
+        profile.add("submit", drawn?, 0);
         self.gpu.check()?;
+        if let (Some(late), Some((targets, ..))) = (late, &self.targets) {
+            let start = Instant::now();
+            let Late { tiles, fragments } = late.find(&self.gpu)?;
+            profile.add("check_order", start.elapsed(), 0);
+            counts.violations = fragments;
+            counts.tiles_redone = tiles.iter().filter(|is_late| **is_late).count() as u64;
+            if counts.tiles_redone > 0 {
+                targets.replace_tiles(&self.gpu, &redo(&tiles, profile)?, &tiles);
+            }
+        }
         Ok(counts)
     }
 
@@ -221,6 +261,9 @@ impl GpuCompositor {
             self.targets = None;
             let ring = Ring::new(gpu, &pipelines.fans_layout, left)?;
             self.targets = Some((Targets::new(gpu, size_px), Readback::new(gpu, size_px), ring));
+        }
+        if is_checked(frame, shading) && self.late.as_ref().is_none_or(|late| !late.is_for(size_px)) {
+            self.late = Some(LateTiles::new(gpu, &pipelines.late_layout, size_px));
         }
         Ok(())
     }

@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::backends::Frame;
 use crate::optics::texture::OpacityTexture;
-use crate::optics::{BandPiece, Intervals, LinearPiece, Pieces};
+use crate::optics::{BandPiece, LinearPiece, Pieces};
 use crate::stages::View;
 
 /// `Frame` of `shaders/frame.wgsl`.
@@ -25,7 +25,8 @@ pub(super) struct FrameUniform {
     pub(super) texels_per_extinction: f32,
     pub(super) s_middle: f32,
     pub(super) s_scale: f32,
-    pub(super) pad: [u32; 2],
+    pub(super) order_scale: f32,
+    pub(super) order_offset: f32,
 }
 
 /// `Piece` of `shaders/pieces.wgsl`.
@@ -72,7 +73,9 @@ impl Texels {
 }
 
 impl FrameUniform {
-    pub(super) fn new(view: &View, intervals: &Intervals, texels: Texels, (s_middle, s_scale): (f32, f32)) -> Self {
+    pub(super) fn new(frame: &Frame, texels: Texels, (s_middle, s_scale): (f32, f32)) -> Self {
+        let (view, intervals) = (frame.view, frame.intervals());
+        let [order_scale, order_offset] = order_from_inverse_depth(frame);
         let [width, height] = view.size_px.map(|side| side as f32);
         let world = |direction: glam::DVec3| (direction * view.world_per_scene).as_vec3().to_array();
         let (ray, step_x, step_y) = if view.is_perspective {
@@ -97,9 +100,21 @@ impl FrameUniform {
             texels_per_extinction: texels.per_extinction,
             s_middle,
             s_scale,
-            pad: [0; 2],
+            order_scale,
+            order_offset,
         }
     }
+}
+
+/// Scale and offset that bring the inverse depths −w of the mesh along parallel rays to 0..1.
+fn order_from_inverse_depth(frame: &Frame) -> [f32; 2] {
+    let View { eye, forward, world_per_scene, .. } = frame.view;
+    let depth = |corner: glam::Vec3| (corner.as_dvec3() / *world_per_scene - *eye).dot(*forward);
+    let depths = frame.dataset.bounds.corners().map(depth);
+    let (near, far) =
+        depths.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(near, far), &w| (near.min(w), far.max(w)));
+    let range = (far - near).max(f64::MIN_POSITIVE);
+    [1.0 / range, far / range].map(|value| finite(value as f32))
 }
 
 /// WGSL need not know infinity.

@@ -8,6 +8,7 @@
 mod accumulate;
 mod device;
 mod draw;
+mod late;
 mod layout;
 mod pipelines;
 mod readback;

@@ -4,6 +4,7 @@ use wgpu::{BufferUsages, ShaderStages, TextureFormat};
 
 use super::Gpu;
 use super::accumulate::accumulated_format;
+use super::late::{LateTiles, depth_stencil_state};
 use super::layout::{FrameUniform, Texels, piece_bytes};
 use super::shaders::{self, Blend, ModelShaders};
 use super::timestamps::Timestamps;
@@ -17,13 +18,20 @@ use crate::stages::fans::{CaseFan, Contents, Faces, Fan, PlanesFor};
 /// Fans that one draw takes: their vertices have 16-bit numbers, relative to the draw's first.
 const FANS_PER_DRAW: usize = 1 << 13;
 
+/// What a pipeline draws, and whether it checks the order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Draw {
+    pub(super) contents: Contents,
+    pub(super) is_checked: bool,
+}
+
 /// Everything but textures and fans.
 pub(super) struct Pipelines {
     of: Shading,
     shaders: ModelShaders,
     module: wgpu::ShaderModule,
     /// For what there may be among the fans.
-    draw: Vec<(Contents, wgpu::RenderPipeline)>,
+    draw: Vec<(Draw, wgpu::RenderPipeline)>,
     /// Indices of [`FANS_PER_DRAW`] fans.
     indices: wgpu::Buffer,
     frame: wgpu::Buffer,
@@ -32,6 +40,7 @@ pub(super) struct Pipelines {
     /// What pieces and opacity texture in `frame_binding` were made of.
     bound: Option<Bound>,
     pub(super) fans_layout: wgpu::BindGroupLayout,
+    pub(super) late_layout: wgpu::BindGroupLayout,
     accumulated_layout: wgpu::BindGroupLayout,
     resolve_module: wgpu::ShaderModule,
     resolve: Vec<(TextureFormat, wgpu::RenderPipeline)>,
@@ -66,6 +75,11 @@ impl Pipelines {
         let frame_layout =
             layout("frame", &[buffer_entry(0, uniform), buffer_entry(1, STORAGE), buffer_entry(2, STORAGE)]);
         let fans_layout = layout("fans", &[buffer_entry(0, STORAGE)]);
+        let written = wgpu::BufferBindingType::Storage { read_only: false };
+        let late_layout = layout(
+            "late tiles",
+            &[wgpu::BindGroupLayoutEntry { visibility: ShaderStages::FRAGMENT, ..buffer_entry(0, written) }],
+        );
         let accumulated = wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Float { filterable: false },
             view_dimension: wgpu::TextureViewDimension::D2,
@@ -98,6 +112,7 @@ impl Pipelines {
             frame_binding: None,
             bound: None,
             fans_layout,
+            late_layout,
             accumulated_layout,
             resolve_module: shaders::module(device, "resolve", shaders::resolve_text()),
             resolve: Vec::new(),
@@ -131,7 +146,7 @@ impl Pipelines {
         }
         let texels = self.bound.as_ref().map_or(Texels::default(), |bound| bound.texels);
         let s_middle_scale = if gpu.blends_in_32_bits() { (0.0, 1.0) } else { to_unit_interval(frame.field) };
-        let uniform = FrameUniform::new(frame.view, frame.intervals(), texels, s_middle_scale);
+        let uniform = FrameUniform::new(frame, texels, s_middle_scale);
         gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
         Ok(())
     }
@@ -147,38 +162,53 @@ impl Pipelines {
         }));
     }
 
-    /// Makes sure that fans can be drawn with `contents` among them.
-    pub(super) fn prepare_draw(&mut self, gpu: &Gpu, contents: Contents) {
-        if self.draw.iter().any(|(known, _)| *known == contents) {
+    /// Makes sure that fans can be drawn like this.
+    pub(super) fn prepare_draw(&mut self, gpu: &Gpu, draw: Draw) {
+        if self.draw.iter().any(|(known, _)| *known == draw) {
             return;
         }
-        let layouts = [&self.frame_layout, &self.fans_layout];
+        let Draw { contents, is_checked } = draw;
+        let mut layouts = vec![&self.frame_layout, &self.fans_layout];
+        let mut fragment = "fragment";
+        if is_checked {
+            layouts.push(&self.late_layout);
+            fragment = "fragment_in_order";
+        }
         let target = (accumulated_format(gpu), Some(blend_state(self.shaders.blend)));
         let Contents { has_planes, whole_cells } = contents;
         let constants = [("HAS_PLANES", has_planes), ("HAS_HEXAHEDRA", whole_cells == Some(Faces::Exact))]
             .map(|(name, is_set)| (name, f64::from(u8::from(is_set))));
         let vertex = if whole_cells == Some(Faces::Fan) { "vertex_of_triangle" } else { "vertex" };
-        let shader = Shader { module: &self.module, vertex, fragment: "fragment", constants: &constants };
-        self.draw.push((contents, pipeline(gpu, &layouts, shader, target)));
+        let shader = Shader { module: &self.module, vertex, fragment, constants: &constants };
+        let depth = is_checked.then(|| depth_stencil_state(gpu));
+        self.draw.push((draw, pipeline(gpu, &layouts, shader, target, depth)));
     }
 
     /// Draws what stands in the room of the first `fans` fans of a slot.
     pub(super) fn draw(
         &self,
         slot: &wgpu::BindGroup,
-        (fans, contents): (usize, Contents),
-        is_first: bool,
+        (fans, draw): (usize, Draw),
+        (is_first, late): (bool, Option<&LateTiles>),
         accumulated: &wgpu::TextureView,
         timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
         encoder: &mut wgpu::CommandEncoder,
     ) {
         let load = if is_first { self.clear_color() } else { wgpu::LoadOp::Load };
-        let mut pass = begin(encoder, "fans", accumulated, load, timestamps);
-        let Some((_, pipeline)) = self.draw.iter().find(|(known, _)| *known == contents) else { return };
+        if let (true, Some(late)) = (is_first, late) {
+            late.begin(encoder);
+        }
+        let depth = late.map(|late| late.attachment(is_first));
+        let mut pass = begin(encoder, "fans", (accumulated, load), depth, timestamps);
+        let Some((_, pipeline)) = self.draw.iter().find(|(known, _)| *known == draw) else { return };
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, self.frame_binding.as_ref(), &[]);
         pass.set_bind_group(1, slot, &[]);
+        if let Some(late) = late {
+            pass.set_bind_group(2, &late.binding, &[]);
+        }
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
+        let contents = draw.contents;
         let records = fans / contents.fans_per_record();
         for first in (0..records).step_by(FANS_PER_DRAW) {
             let count = FANS_PER_DRAW.min(records - first);
@@ -198,7 +228,7 @@ impl Pipelines {
 
     /// A picture without any fan.
     pub(super) fn clear(&self, accumulated: &wgpu::TextureView, encoder: &mut wgpu::CommandEncoder) {
-        drop(begin(encoder, "no fans", accumulated, self.clear_color(), None));
+        drop(begin(encoder, "no fans", (accumulated, self.clear_color()), None, None));
     }
 
     /// Makes sure that pictures of `format` can be resolved.
@@ -209,7 +239,7 @@ impl Pipelines {
         let layouts = [&self.frame_layout, &self.accumulated_layout];
         let (module, fragment) = (&self.resolve_module, self.shaders.resolve);
         let shader = Shader { module, vertex: "whole_picture", fragment, constants: &[] };
-        self.resolve.push((format, pipeline(gpu, &layouts, shader, (format, None))));
+        self.resolve.push((format, pipeline(gpu, &layouts, shader, (format, None), None)));
     }
 
     /// Makes the picture of what was accumulated.
@@ -229,7 +259,7 @@ impl Pipelines {
             entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(accumulated) }],
         });
         let load = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
-        let mut pass = begin(encoder, "resolve", picture, load, timestamps.map(Timestamps::of_picture));
+        let mut pass = begin(encoder, "resolve", (picture, load), None, timestamps.map(Timestamps::of_picture));
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, self.frame_binding.as_ref(), &[]);
         pass.set_bind_group(1, &binding, &[]);
@@ -274,8 +304,8 @@ fn buffer_of(gpu: &Gpu, label: &str, usage: BufferUsages, contents: &[u8]) -> wg
 fn begin<'e>(
     encoder: &'e mut wgpu::CommandEncoder,
     label: &str,
-    view: &wgpu::TextureView,
-    load: wgpu::LoadOp<wgpu::Color>,
+    (view, load): (&wgpu::TextureView, wgpu::LoadOp<wgpu::Color>),
+    depth_stencil_attachment: Option<wgpu::RenderPassDepthStencilAttachment<'_>>,
     timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
 ) -> wgpu::RenderPass<'e> {
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -286,7 +316,7 @@ fn begin<'e>(
             resolve_target: None,
             ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
         })],
-        depth_stencil_attachment: None,
+        depth_stencil_attachment,
         timestamp_writes,
         occlusion_query_set: None,
         multiview_mask: None,
@@ -320,6 +350,7 @@ fn pipeline(
     layouts: &[&wgpu::BindGroupLayout],
     Shader { module, vertex, fragment, constants }: Shader<'_>,
     (format, blend): (TextureFormat, Option<wgpu::BlendState>),
+    depth_stencil: Option<wgpu::DepthStencilState>,
 ) -> wgpu::RenderPipeline {
     let layouts: Vec<_> = layouts.iter().map(|&layout| Some(layout)).collect();
     let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -339,7 +370,7 @@ fn pipeline(
             buffers: &[],
         },
         primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: None,
+        depth_stencil,
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {
             module,

@@ -3,6 +3,7 @@
 //! In: model and integral. Out: WGSL text; a module of it. Release builds leave out the run-time checks of bounds and loops.
 #![expect(unsafe_code, reason = "shader modules without run-time checks")]
 
+use crate::backends::TILE_PX;
 use crate::optics::{Integral, Model, Output, Shading, wgsl};
 use crate::stages::fans::PlanesFor;
 
@@ -77,9 +78,11 @@ impl ModelShaders {
     pub(super) fn draw_text(&self) -> String {
         let requirements = if self.blend == Blend::OverByChannel { "enable dual_source_blending;" } else { "" };
         let constants = wgsl::constants();
+        let tile = format!("const TILE_PX: u32 = {TILE_PX}u;");
         let common = [
             requirements,
             &constants,
+            &tile,
             shader!("frame"),
             self.pieces,
             shader!("intervals"),
@@ -87,6 +90,7 @@ impl ModelShaders {
             shader!("fans"),
             shader!("hexahedra"),
             shader!("cases"),
+            shader!("order"),
         ];
         common.into_iter().chain(self.fragment.iter().copied()).collect::<Vec<_>>().join("\n")
     }

@@ -10,11 +10,11 @@ use crossbeam_channel::Receiver;
 
 use super::Gpu;
 use super::accumulate::Targets;
-use super::pipelines::Pipelines;
+use super::late::LateTiles;
+use super::pipelines::{Draw, Pipelines};
 use super::staging::Ring;
 use super::timestamps::Timestamps;
 use crate::error::Result;
-use crate::stages::fans::Contents;
 
 /// Submits slots in the order in which they come.
 pub(super) struct Submitter<'a> {
@@ -23,7 +23,9 @@ pub(super) struct Submitter<'a> {
     pub(super) targets: &'a Targets,
     pub(super) ring: &'a Ring,
     pub(super) timestamps: Option<&'a mut Timestamps>,
-    pub(super) contents: Contents,
+    pub(super) draw: Draw,
+    /// What checks the order, where it is checked.
+    pub(super) late: Option<&'a LateTiles>,
 }
 
 impl Submitter<'_> {
@@ -47,8 +49,8 @@ impl Submitter<'_> {
             let timestamps = self.timestamps.as_deref_mut().and_then(Timestamps::of_fans);
             self.pipelines.draw(
                 self.ring.binding(slot),
-                (fans, self.contents),
-                is_first,
+                (fans, self.draw),
+                (is_first, self.late),
                 &self.targets.accumulated,
                 timestamps,
                 &mut encoder,

@@ -11,7 +11,7 @@ use crate::optics::integral::{
     segment_weights, segment_weights_average, segment_weights_thin, segment_weights_very_thin,
 };
 use crate::optics::{Integral, Model, Output, Shading, wgsl};
-use crate::stages::fans::{Fan, PlaneFan};
+use crate::stages::fans::{CaseFan, Fan, HexFan, PlaneFan};
 
 fn all_shadings() -> Vec<Shading> {
     let models = Model::ALL.into_iter().flat_map(|model| Integral::ALL.map(|integral| (model, integral)));
@@ -48,7 +48,8 @@ fn shaders_parse_and_read_what_rust_writes() {
             naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
         let frame = offsets!(
             FrameUniform: ndc_scale, ndc_offset, ray, is_perspective, ray_step_x, piece_count, ray_step_y, v_far,
-            v_near, texels, texels_per_length, texels_per_extinction, s_middle, s_scale
+            v_near, texels, texels_per_length, texels_per_extinction, s_middle, s_scale,
+            order_scale, order_offset
         );
         assert_eq!(members(&module, "Frame"), frame, "{shading:?}");
         let piece = offsets!(
@@ -75,6 +76,32 @@ fn shaders_parse_and_read_what_rust_writes() {
         offset_of!(PlaneFan, planes),
     ];
     assert_eq!(rest.map(words), [(1, 0), (1, 2), (1, 3), (2, 0)]);
+    let hexahedron = [
+        offset_of!(HexFan, box_px),
+        offset_of!(HexFan, s_range),
+        offset_of!(HexFan, v_origin),
+        offset_of!(HexFan, flags),
+        offset_of!(HexFan, corners),
+    ];
+    assert_eq!(hexahedron.map(words), [(0, 0), (0, 2), (1, 0), (1, 3), (2, 0)]);
+    let text = shaders::of(Shading::default()).draw_text();
+    for (name, value) in [
+        ("DIAGONALS", HexFan::DIAGONALS),
+        ("IS_HOMOGENEOUS", HexFan::IS_HOMOGENEOUS),
+        ("IS_CONSTANT", HexFan::IS_CONSTANT),
+        ("IS_HEXAHEDRON", HexFan::HEXAHEDRON),
+        ("CASE_FANS", CaseFan::FANS as u32),
+        ("CASE_TRIANGLES", CaseFan::TRIANGLES_MAX as u32),
+        ("CASE_VERTICES", (offset_of!(CaseFan, vertices) / 4) as u32),
+        ("CASE_INDICES", (offset_of!(CaseFan, triangles) / 4) as u32),
+        ("CASE_MARK", (offset_of!(CaseFan, mark) / 4) as u32),
+    ] {
+        let is_it = |line: &str| {
+            [format!("{value}u"), format!("{value:#x}u")].iter().any(|v| line.ends_with(&format!(" = {v};")))
+        };
+        let line = text.lines().find(|line| line.starts_with(&format!("const {name}:"))).unwrap();
+        assert!(is_it(line), "{line}, not {value}");
+    }
 }
 
 #[test]

@@ -81,8 +81,9 @@ pub(in crate::cli) struct Arguments {
     /// Device memory that a frame flows through on a GPU: 64M, 1Gi [default: 256Mi].
     #[arg(long, value_name = "BYTES", help_heading = "Method", value_parser = bytes, allow_hyphen_values = true)]
     pub(super) gpu_memory: Option<u64>,
-    /// How cells are put in order. exact is right for any mesh and needs the CPU; topological is where no cells hide each other
-    /// in a circle, which it counts; auto takes exact on the CPU, else topological.
+    /// How cells are put in order. exact is right for any mesh (of a GPU's picture the CPU draws those tiles again in which cells came
+    /// too late); topological is where no cells hide each other in a circle, which it counts; auto takes exact on the CPU, else
+    /// topological, and exact where that finds such circles.
     #[arg(long, help_heading = "Method", default_value_t, value_parser = one_of(SortMethod::ALL.map(|method| (method.name(), method))))]
     pub(super) sort: SortMethod,
     /// How the light of a cell is integrated along a ray.

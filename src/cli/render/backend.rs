@@ -3,7 +3,7 @@
 use cellfan::{Camera, RenderOptions, Rendered, Renderer, Scene};
 #[cfg(feature = "gpu")]
 use cellfan::{
-    CpuMethod, Error, SortMethod,
+    CpuMethod, Error,
     backends::gpu::{Gpu, GpuCompositor, adapters},
 };
 
@@ -107,9 +107,6 @@ fn is_of_the_gpu(error: &Error) -> bool {
 /// What only the processor can do.
 #[cfg(feature = "gpu")]
 fn needs_processor(arguments: &Arguments) -> Option<&'static str> {
-    if arguments.sort == SortMethod::Exact {
-        return Some("--sort exact checks every fragment, which a GPU does not");
-    }
     if arguments.memory.is_some() {
         return Some("--memory is kept on the CPU only (a GPU has --gpu-memory)");
     }

@@ -29,10 +29,10 @@ pub struct CaseFan {
     /// The vertices of the cell's case.
     pub vertices: [FanVertex; Case::VERTICES_MAX],
     /// Three vertices each, four bits a vertex, the first lowest; those after the last are 0.
-    triangles: [u16; CaseFan::TRIANGLES_MAX],
+    pub(crate) triangles: [u16; CaseFan::TRIANGLES_MAX],
     unused_at_end: [u32; 11],
     /// [`CaseFan::MARK`], where other records have 0.
-    mark: u32,
+    pub(crate) mark: u32,
 }
 
 const _: () = assert!(size_of::<CaseFan>() == CaseFan::FANS * size_of::<Fan>());
@@ -197,3 +197,6 @@ fn diagonals_of(kind: &CellKind, corners: &[u8], vertex: [u32; 8], shape: HexSha
     };
     (0..).zip(kind.faces).filter(|(_, face)| face.len() == 4 && is_second(face)).map(|(bit, _)| 1 << bit).sum()
 }
+
+#[cfg(test)]
+mod tests;

@@ -20,6 +20,13 @@ pub(super) struct Tet {
     constant: Option<f32>,
 }
 
+#[cfg(test)]
+impl Tet {
+    pub(super) fn vertices(&self) -> [u32; 4] {
+        self.vertex
+    }
+}
+
 /// The fans of one tetrahedron, and their classes; planes have none.
 pub(super) type TetFans = ArrayVec<(Option<ProjectionClass>, Fan), 3>;
 
