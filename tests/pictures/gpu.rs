@@ -159,7 +159,7 @@ fn any_ring_gives_the_same_picture() {
     let case = Case::new(random_delaunay(30_000), "value");
     let (scene, camera) = (scene(&case, &smooth()), frame_unit_cube(20.0, 30.0, 64, 64));
     for gpu in gpus("any_ring_gives_the_same_picture") {
-        let picture = 64 * 64 * 48;
+        let picture = 64 * 64 * 57;
         let draw = |ring: u64| {
             let mut renderer = Renderer::on_gpu(RenderOptions::default(), gpu.clone(), picture + ring);
             let [first, second] = [0, 1].map(|_| renderer.render(&scene, &camera).unwrap());
