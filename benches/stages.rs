@@ -288,7 +288,7 @@ fn bench_topological(criterion: &mut Criterion) {
     group.bench_function("adjacency", |b| b.iter(|| Adjacency::new(black_box(dataset))));
     let adjacency = Adjacency::new(dataset);
     // All faces have two sides but for those of the hull, which are few.
-    let sides = adjacency.neighbours_from_cell().iter().flatten().filter(|&&other| other != Adjacency::NONE).count();
+    let sides = adjacency.neighbours_from_tet().iter().flatten().filter(|&&other| other != Adjacency::NONE).count();
     assert!(sides % 2 == 0 && sides + adjacency.exterior().len() == 4 * dataset.tets.len());
     assert!(adjacency.exterior().len() < sides / 10);
 

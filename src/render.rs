@@ -214,21 +214,10 @@ impl Renderer {
 
     /// Whether the method can draw the scene's cells.
     fn check_cells(&self, scene: &Scene) -> Result<()> {
-        let options = self.options;
-        let needs_tetrahedra = if self.draws_fans() {
-            "fans (and GPUs)"
-        } else if options.check_order {
-            "--check-order"
-        } else if options.sort == SortMethod::Topological && !options.model.is_order_free() {
-            "--sort topological"
-        } else {
-            return Ok(());
-        };
-        if scene.dataset.hexahedra.is_empty() {
+        if !self.draws_fans() || scene.dataset.hexahedra.is_empty() {
             return Ok(());
         }
-        let problem =
-            format!("whole cells are drawn as footprints, in the order exact; {needs_tetrahedra} takes tetrahedra");
+        let problem = "whole cells are drawn as footprints; fans (and GPUs) take tetrahedra".to_owned();
         Err(Error::Option { option: "--cells", problem })
     }
 

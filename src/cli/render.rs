@@ -187,10 +187,6 @@ fn draws_whole(arguments: &Arguments, backend: &Backend) -> cellfan::Result<bool
         Some("a GPU")
     } else if arguments.cpu_method == CpuMethod::Fans {
         Some("--cpu-method fans")
-    } else if arguments.check_order {
-        Some("--check-order")
-    } else if arguments.sort == SortMethod::Topological {
-        Some("--sort topological")
     } else {
         None
     };

@@ -46,7 +46,7 @@ impl Renderer {
                 let adjacency = scene.adjacency(profile);
                 let start = Instant::now();
                 let layers = topological.order(&scene.dataset, adjacency, &scene.vertices, view);
-                profile.add("topological", start.elapsed(), scene.dataset.tets.len() as u64 * 64);
+                profile.add("topological", start.elapsed(), scene.dataset.cells() as u64 * 64);
                 FrameOrder { layers: Some(layers), ..by(SortKey::Topological) }
             }
         }
