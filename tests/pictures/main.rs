@@ -27,3 +27,4 @@ mod polyhedron;
 mod real;
 mod reference;
 mod topological;
+mod whole_order;

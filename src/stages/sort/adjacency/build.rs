@@ -182,7 +182,8 @@ fn join<S: Side>(starts: &[usize], sides: &mut [S], table: &Table) {
             for face in bucket.chunk_by(S::is_of_same_face).filter(|face| face.len() > 1) {
                 // Two, as a rule. Where more cells meet, those on either side are taken in order; one left over has no neighbour.
                 let codes = || face.iter().map(S::code);
-                let (one_side, other_side) = (codes().filter(|&code| ascends(code)), codes().filter(|&code| !ascends(code)));
+                let (one_side, other_side) =
+                    (codes().filter(|&code| ascends(code)), codes().filter(|&code| !ascends(code)));
                 for (one, other) in one_side.zip(other_side) {
                     let (one, other) = (cell_and_face(one), cell_and_face(other));
                     // A cell that is folded upon itself is not its own neighbour.

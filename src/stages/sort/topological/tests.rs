@@ -158,8 +158,7 @@ fn relations_are_those_of_cells_that_follow_each_other_across_the_open() {
                 let cells = along_ray(&mesh, &ordered.vertices, view, pixel);
                 for two in cells.windows(2) {
                     let related = (two[0].2, two[1].2);
-                    let is_neighbour =
-                        ordered.adjacency.neighbours_from_tet()[related.0 as usize].contains(&related.1);
+                    let is_neighbour = ordered.adjacency.neighbours_from_tet()[related.0 as usize].contains(&related.1);
                     let gap = two[1].0 - two[0].1;
                     possible.insert(related);
                     if !is_neighbour && gap > 1e-4 {
