@@ -206,23 +206,25 @@ fn any_number_of_threads_draws_the_same_bytes() {
     }
 }
 
-const MESHES: &[&str] = &[
-    "classic/bluntfin.vts",
-    "classic/combxyz.bin",
-    "classic/postxyz.bin",
-    "curvilinear/SampleStructGrid.vtk",
-    "curvilinear/multi-bin.xyz",
-    "regular/RectGrid2.vtk",
-    "unstructured/box_hybrid_mesh.vtu",
-    "unstructured/disk_out_ref.vtu",
-    "unstructured/fire_ug.vtu",
+/// File, and whether its cells lie apart. Those of the hybrid mesh do not: faces of four corners meet two triangles that are cut along
+/// the other diagonal, and no cycle tells.
+const MESHES: &[(&str, bool)] = &[
+    ("classic/bluntfin.vts", true),
+    ("classic/combxyz.bin", true),
+    ("classic/postxyz.bin", true),
+    ("curvilinear/SampleStructGrid.vtk", true),
+    ("curvilinear/multi-bin.xyz", true),
+    ("regular/RectGrid2.vtk", true),
+    ("unstructured/box_hybrid_mesh.vtu", false),
+    ("unstructured/disk_out_ref.vtu", true),
+    ("unstructured/fire_ug.vtu", true),
 ];
 
 #[test]
 fn real_meshes_of_whole_cells_are_those_of_the_exact_order() {
     let Some(folder) = data_folder("whole_order::real_meshes") else { return };
     let (mut right, mut views) = (0, 0);
-    for file in MESHES {
+    for &(file, lie_apart) in MESHES {
         let dataset = io::open_mesh(&folder.join(file)).unwrap().into_whole_dataset().unwrap();
         let (corners, diagonal) = (dataset.corners_world(), dataset.diagonal_world());
         let field = waves(&dataset);
@@ -242,7 +244,7 @@ fn real_meshes_of_whole_cells_are_those_of_the_exact_order() {
             assert!(off(&none.image).max > 1e-3, "{file}: no order passes");
             if order.cycles == Some(0) {
                 right += 1;
-                assert!(difference.max < 1e-4, "{file}: {difference:?}");
+                assert!(difference.max < 1e-4 || !lie_apart, "{file}: {difference:?}");
                 assert_eq!((order.exactness, order.misordered_pairs), (Exactness::Exact, Some(0)), "{file}");
             }
         }
