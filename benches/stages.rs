@@ -9,7 +9,7 @@ mod support;
 use std::hint::black_box;
 
 use cellfan::cells::HEXAHEDRON;
-use cellfan::columns::BlockView;
+use cellfan::columns::{BlockView, CellCounts, CellMesh, Dataset, Points, StructuredCells};
 use cellfan::generate::Kind;
 use cellfan::optics::integral::segment_weights_average;
 use cellfan::optics::{CullTable, LANES, Pieces, SegmentWeights, segment_weights, segment_weights_thin};
@@ -153,14 +153,18 @@ struct Boxes {
 impl Boxes {
     const SIDE: u32 = 48;
 
+    /// Where corner `at` stands in the unit cube; each coordinate is moved by up to `jitter` boxes, by a hash.
+    fn position(at: UVec3, jitter: f64) -> DVec3 {
+        let hash = (at.x * 73 + at.y * 179 + at.z * 283).wrapping_mul(0x9e37_79b9);
+        let moved = [0, 10, 20].map(|shift| f64::from(hash >> shift & 0x3ff) / 1023.0 - 0.5);
+        (at.as_dvec3() + 2.0 * jitter * DVec3::from_array(moved)) / f64::from(Self::SIDE)
+    }
+
     fn new() -> Self {
         let camera = Camera::looking_at(DVec3::new(3.0, -2.2, 1.6), DVec3::splat(0.5), SIDE_PX, SIDE_PX);
         let frame = camera.frame().expect("the camera is valid");
         let vertex = |at: UVec3| {
-            // Each coordinate is moved by up to a tenth of a box, by a hash.
-            let hash = (at.x * 73 + at.y * 179 + at.z * 283).wrapping_mul(0x9e37_79b9);
-            let moved = [0, 10, 20].map(|shift| f64::from(hash >> shift & 0x3ff) / 1023.0 - 0.5);
-            let position = (at.as_dvec3() + 0.2 * DVec3::from_array(moved)) / f64::from(Self::SIDE);
+            let position = Self::position(at, 0.1);
             let v = 1.0 / frame.depth(position);
             ProjectedCorner {
                 position_px: frame.pixel(position).as_vec2(),
@@ -288,7 +292,7 @@ fn bench_topological(criterion: &mut Criterion) {
     group.bench_function("adjacency", |b| b.iter(|| Adjacency::new(black_box(dataset))));
     let adjacency = Adjacency::new(dataset);
     // All faces have two sides but for those of the hull, which are few.
-    let sides = adjacency.neighbours_from_cell().iter().flatten().filter(|&&other| other != Adjacency::NONE).count();
+    let sides = adjacency.neighbours_from_tet().iter().flatten().filter(|&&other| other != Adjacency::NONE).count();
     assert!(sides % 2 == 0 && sides + adjacency.exterior().len() == 4 * dataset.tets.len());
     assert!(adjacency.exterior().len() < sides / 10);
 
@@ -308,6 +312,74 @@ fn bench_topological(criterion: &mut Criterion) {
 /// Tetrahedra like this; there are no other cells.
 fn style(planes_for: PlanesFor) -> FanStyle {
     FanStyle { planes_for, faces: Faces::Exact }
+}
+
+/// The boxes as one structured block.
+fn block_of_boxes() -> StructuredCells {
+    let side = Boxes::SIDE + 1;
+    let at = |i: u32| UVec3::new(i % side, i / side % side, i / side.pow(2));
+    let cells = u64::from(Boxes::SIDE.pow(3));
+    StructuredCells {
+        dims: vec![[side as usize; 3]],
+        points: Points::F64((0..side.pow(3)).map(|i| Boxes::position(at(i), 0.02).to_array()).collect()),
+        hidden: (0..cells).map(|_| false).collect(),
+        arrays: Vec::new(),
+        counts: CellCounts { in_file: cells, ..CellCounts::default() },
+    }
+}
+
+/// The same, each box with its corners.
+fn listed_boxes(block: &StructuredCells) -> CellMesh {
+    let (side, cells) = (Boxes::SIDE, Boxes::SIDE.pow(3));
+    let corners = |cell: u32| {
+        let row = side + 1;
+        let first = cell % side + row * (cell / side % side) + row * row * (cell / side.pow(2));
+        [0, 1, row + 1, row].map(|step| first + step)
+    };
+    let hexahedron = |cell: u32| {
+        let [a, b, c, d] = corners(cell);
+        let above = |v: u32| v + (side + 1).pow(2);
+        [a, b, c, d, above(a), above(b), above(c), above(d)]
+    };
+    CellMesh {
+        points: block.points.clone(),
+        tets: Vec::new().into(),
+        file_from_tet: Vec::new().into(),
+        hexahedra: (0..cells).map(hexahedron).collect(),
+        file_from_hexahedron: (0..cells).collect(),
+        arrays: Vec::new(),
+        counts: block.counts,
+    }
+}
+
+fn bench_topological_hexahedra(criterion: &mut Criterion) {
+    let block = block_of_boxes();
+    let listed = Dataset::from_cells(listed_boxes(&block)).expect("the boxes are valid");
+    let structured = Dataset::from_structured(block).expect("the boxes are valid");
+    let mut group = criterion.benchmark_group("stage/sort/topological/hexahedra");
+    group.sample_size(20);
+    for (name, dataset) in [("listed", &listed), ("block", &structured)] {
+        let camera = Camera::framing(&dataset.corners_world(), 30.0, 20.0, SIDE_PX, SIDE_PX);
+        let view = View::new(&camera, dataset).expect("the camera is valid");
+        let vertices = scene_vertices(dataset, &dataset.homogeneous_field());
+        let (cells, stored) = (dataset.cells() as u64, if name == "listed" { 24 } else { 0 });
+        throughput(&mut group, cells, 32 + stored);
+        group.bench_function(format!("{name}/adjacency"), |b| b.iter(|| Adjacency::new(black_box(dataset))));
+        let adjacency = Adjacency::new(dataset);
+        assert_eq!(adjacency.exterior().len() as u32, 6 * Boxes::SIDE.pow(2));
+
+        throughput(&mut group, cells, 32 + stored + 16);
+        let mut topological = Topological::default();
+        let mut stage = || topological.order(dataset, &adjacency, &vertices, &view);
+        let Layers { cycles, layers, .. } = stage();
+        group.bench_function(format!("{name}/order"), |b| b.iter(&mut stage));
+        let order = topological.layer_from_cell().iter().zip(0..).map(|(&layer, cell)| pair(layer, cell));
+        let mut order: Vec<Pair> = order.collect();
+        order.sort_unstable();
+        let check = check_order(dataset, &vertices, &view, &order);
+        assert_eq!((cycles, check.misordered), (0, 0));
+        assert!(layers > 100 && check.pairs > 2 * cells);
+    }
 }
 
 fn bench_fans(criterion: &mut Criterion) {
@@ -452,6 +524,7 @@ criterion_group!(
     bench_hexahedra,
     bench_sort,
     bench_topological,
+    bench_topological_hexahedra,
     bench_fans,
     bench_footprints,
     bench_integral

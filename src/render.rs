@@ -179,7 +179,6 @@ impl Renderer {
         draw: impl FnOnce(&mut Self, &Frame, &mut Profile) -> Result<Drawn>,
     ) -> Result<Rendered> {
         self.check_options()?;
-        self.check_cells(scene)?;
         self.check_bands(scene)?;
         let options = self.options;
         if let Some(backing) = &scene.dataset.backing {
@@ -215,26 +214,6 @@ impl Renderer {
         let cells = cell_stats(&scene.dataset, &counts, self.draws_fans());
         let order = self.order_stats(order, &counts, misordered_pairs);
         Ok(Rendered { image, bands, cells, triangles: counts.triangles, order, profile, frame_ms })
-    }
-
-    /// Whether the method can draw the scene's cells.
-    fn check_cells(&self, scene: &Scene) -> Result<()> {
-        let options = self.options;
-        let takes_graph = options.sort == SortMethod::Topological
-            || (matches!(options.sort, SortMethod::Auto | SortMethod::Exact) && self.draws_fans());
-        let needs_tetrahedra = if options.check_order {
-            "--check-order"
-        } else if takes_graph && !options.model.is_order_free() {
-            "--sort topological"
-        } else {
-            return Ok(());
-        };
-        if scene.dataset.hexahedra.is_empty() {
-            return Ok(());
-        }
-        let problem =
-            format!("whole cells are drawn as footprints, in the order exact; {needs_tetrahedra} takes tetrahedra");
-        Err(Error::Option { option: "--cells", problem })
     }
 
     fn check_options(&self) -> Result<()> {

@@ -56,7 +56,7 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         heap::give_back_early();
     }
     let mut before = Profile::default();
-    let is_whole = draws_whole(arguments, &backend)?;
+    let is_whole = arguments.cells != Some(Cells::Tetrahedra);
     let mut dataset = read(path, !arguments.no_mmap, is_whole, &mut before)?;
     let start = Instant::now();
     let (bands, band_note) = bands.make(&dataset).map_err(|error| error.in_file(path))?;
@@ -179,28 +179,6 @@ fn read(path: &Path, use_map: bool, is_whole: bool, profile: &mut Profile) -> ce
     let dataset = profile.time("order", into_dataset).map_err(|error| error.in_file(path));
     profile.sample_memory();
     dataset
-}
-
-/// Whether cells with more than four corners are drawn as they are.
-fn draws_whole(arguments: &Arguments, backend: &Backend) -> cellfan::Result<bool> {
-    let needs_tetrahedra = if backend.name() == "gpu" {
-        Some("a GPU")
-    } else if arguments.cpu_method == CpuMethod::Fans {
-        Some("--cpu-method fans")
-    } else if arguments.check_order {
-        Some("--check-order")
-    } else if arguments.sort == SortMethod::Topological {
-        Some("--sort topological")
-    } else {
-        None
-    };
-    match (arguments.cells, needs_tetrahedra) {
-        (Some(Cells::Whole), Some(what)) => {
-            let problem = format!("whole cells are drawn as footprints on the CPU; {what} takes tetrahedra");
-            Err(Error::Option { option: "--cells", problem })
-        }
-        (cells, needs) => Ok(needs.is_none() && cells != Some(Cells::Tetrahedra)),
-    }
 }
 
 /// This version draws one mesh.

@@ -48,7 +48,7 @@ impl Renderer {
                 let adjacency = scene.adjacency(profile);
                 let start = Instant::now();
                 let layers = topological.order(&scene.dataset, adjacency, &scene.vertices, view);
-                profile.add("topological", start.elapsed(), scene.dataset.tets.len() as u64 * 64);
+                profile.add("topological", start.elapsed(), scene.dataset.cells() as u64 * 64);
                 let is_exact = self.checks_order()
                     && match self.options.sort {
                         SortMethod::Exact => true,

@@ -1,6 +1,7 @@
 //! What the stages' tests share: random cells, views of them, and rays through them in f64, the slow twin.
 
 pub(super) mod polyhedra;
+pub(super) mod whole;
 
 use glam::{DVec3, Vec3};
 

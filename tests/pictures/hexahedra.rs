@@ -8,7 +8,7 @@ use cellfan::columns::{Array, Association, NumericColumn};
 use cellfan::io::{StructuredMesh, UnstructuredMesh};
 use cellfan::optics::{BandPoint, BandTable};
 use cellfan::{
-    Camera, Dataset, Field, FieldSelection, Model, Points, RenderOptions, Renderer, Scene, SortMethod, TransferFunction,
+    Camera, Dataset, Field, FieldSelection, Model, Points, RenderOptions, Renderer, Scene, TransferFunction,
 };
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -18,7 +18,7 @@ use crate::check::Case;
 use crate::meshes::{Random, point, smooth, three_views};
 
 /// Cells of any kinds with the point array `value` and the cell array `cell_value`.
-fn mesh(points: &[DVec3], cells: &[(u8, Vec<u32>)]) -> UnstructuredMesh {
+pub(crate) fn mesh(points: &[DVec3], cells: &[(u8, Vec<u32>)]) -> UnstructuredMesh {
     let mut offsets = vec![0];
     for (_, corners) in cells {
         offsets.push(offsets[offsets.len() - 1] + corners.len() as u64);
@@ -179,20 +179,6 @@ fn bands_of_whole_cells_are_those_of_split_ones() {
     let split = draw(jittered(8, 0.2).into_dataset().unwrap());
     let off = whole.values.iter().zip(&split.values).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
     assert!(whole.values.iter().filter(|&&value| value < 0.9).count() > 5000 && off < 1e-5, "{off}");
-}
-
-/// What takes tetrahedra says so.
-#[test]
-fn graphs_refuse_whole_cells() {
-    let case = case(jittered(4, 0.1), "value");
-    let [(_, camera), ..] = three_views(20, 20);
-    for options in [
-        RenderOptions { sort: SortMethod::Topological, ..RenderOptions::default() },
-        RenderOptions { check_order: true, ..RenderOptions::default() },
-    ] {
-        let error = Renderer::new(options).render(&case.scene(&smooth()), &camera).unwrap_err();
-        assert!(error.to_string().contains("--cells"), "{error}");
-    }
 }
 
 /// Every ray through a homogeneous shell, however its faces fold.

@@ -31,3 +31,4 @@ mod reference;
 mod topological;
 #[cfg(feature = "gpu")]
 mod whole;
+mod whole_order;

@@ -29,7 +29,7 @@ fn rings(p: DVec3) -> bool {
 }
 
 /// Two combs, the teeth of each between those of the other.
-fn combs(p: DVec3) -> bool {
+pub(crate) fn combs(p: DVec3) -> bool {
     let tooth = (p.x * 7.0).floor() as i32 % 2 == 0;
     let is_in_gap = (p.x * 7.0).fract() < 0.25;
     p.z < 0.2 || p.z > 0.8 || (!is_in_gap && if tooth { p.z < 0.7 } else { p.z > 0.3 })
@@ -86,7 +86,7 @@ fn meshes_that_are_not_convex_are_right_at_every_pixel() {
 }
 
 /// Values from 0 to 1 that vary everywhere; the arrays of some files do not.
-fn waves(dataset: &Dataset) -> Field {
+pub(crate) fn waves(dataset: &Dataset) -> Field {
     let scale = 40.0 / dataset.diagonal_world();
     let wave = |p: &[f32; 3]| 0.5 + 0.5 * (scale * f64::from(p[0] + 2.0 * p[1] + 3.0 * p[2])).sin() as f32;
     let mut field = dataset.homogeneous_field();

@@ -99,7 +99,7 @@ pub(in crate::cli) struct Arguments {
     #[arg(long, value_name = "METHOD", help_heading = "Method", default_value = "footprints", value_parser = one_of([("footprints", CpuMethod::Footprints), ("fans", CpuMethod::Fans)]))]
     pub(super) cpu_method: CpuMethod,
     /// Draw hexahedra, wedges, pyramids and voxels whole, or cut into tetrahedra, which is another field inside a cell
-    /// [default: whole where the method can: footprints, without --check-order].
+    /// [default: whole].
     #[arg(long, value_name = "CELLS", help_heading = "Method", value_parser = one_of([("whole", Cells::Whole), ("tetrahedra", Cells::Tetrahedra)]))]
     pub(super) cells: Option<Cells>,
     /// How fans, on a GPU or not, draw faces of four corners: by their two triangles in each pixel, or by the triangles of the papers,

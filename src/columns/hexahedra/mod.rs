@@ -53,6 +53,24 @@ impl StructuredBlock {
         let [a, b] = [first, first + layer];
         [a, a + 1, a + 1 + points_i, a + points_i, b, b + 1, b + 1 + points_i, b + points_i]
     }
+
+    /// The cells of the block across the faces of its cell `cell`, numbered like it, in the order of the faces of
+    /// [`HEXAHEDRON`](crate::cells::HEXAHEDRON); none at a side of the block.
+    #[inline]
+    pub fn across(&self, cell: u32) -> [Option<u32>; 6] {
+        let cells = self.dims.map(|points| points - 1);
+        let (row, i) = (cell / cells[0], cell % cells[0]);
+        let at = [i, row % cells[1], row / cells[1]];
+        let step = [1, cells[0], cells[0] * cells[1]];
+        std::array::from_fn(|face| {
+            let axis = face / 2;
+            if face % 2 == 0 {
+                (at[axis] > 0).then(|| cell - step[axis])
+            } else {
+                (at[axis] + 1 < cells[axis]).then(|| cell + step[axis])
+            }
+        })
+    }
 }
 
 impl Hexahedra {
@@ -91,13 +109,21 @@ impl Hexahedra {
         self.shapes.is_empty()
     }
 
+    /// The structured blocks that imply the cells, by their first cells; none where cells are listed.
+    pub fn blocks(&self) -> &[StructuredBlock] {
+        match &self.corners {
+            HexCorners::Listed(_) => &[],
+            HexCorners::Structured(blocks) => blocks,
+        }
+    }
+
     /// All cells as slices, for repeated access.
     pub fn view(&self) -> HexahedraView<'_> {
-        let (listed, blocks): (&[_], &[_]) = match &self.corners {
-            HexCorners::Listed(corners) => (corners, &[]),
-            HexCorners::Structured(blocks) => (&[], blocks),
+        let listed: &[_] = match &self.corners {
+            HexCorners::Listed(corners) => corners,
+            HexCorners::Structured(_) => &[],
         };
-        HexahedraView { listed, blocks, shapes: &self.shapes, first: 0 }
+        HexahedraView { listed, blocks: self.blocks(), shapes: &self.shapes, first: 0 }
     }
 
     /// Bytes of memory that the cells take; none where they are used in place.

@@ -1,9 +1,10 @@
 //! `check`: how many neighbouring cells an order puts the wrong way round (`--check-order`).
 //!
 //! In: the drawn cells' keys, nearest first. Out: [`OrderCheck`]. Two cells that share a face are in order when the one on the
-//! eye's side of the face comes first; the side is decided exactly (Shewchuk's predicate), a face seen edge-on constrains
-//! nothing.
+//! eye's side of the face comes first; the side is decided exactly (Shewchuk's predicate). A face seen edge-on constrains
+//! nothing, and neither does one whose two triangles are seen from different sides: either order is wrong for some rays.
 
+use glam::Vec3;
 use rayon::prelude::*;
 
 use super::Toward;
@@ -16,7 +17,7 @@ use crate::stages::{SceneVertex, View};
 /// What an order does to the pairs of cells that share a face.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct OrderCheck {
-    /// Pairs whose order matters: both cells drawn, the face not edge-on.
+    /// Pairs whose order matters: both cells drawn, the face seen, and from one side.
     pub pairs: u64,
     /// Pairs the wrong way round.
     pub misordered: u64,
@@ -25,22 +26,24 @@ pub struct OrderCheck {
 /// Checks `order`, pairs of key and cell with the nearest first.
 pub fn check_order(dataset: &Dataset, vertices: &[SceneVertex], view: &View, order: &[Pair]) -> OrderCheck {
     const NOT_DRAWN: u32 = u32::MAX;
-    let mut rank_from_cell = vec![NOT_DRAWN; dataset.tets.len()];
+    let mut rank_from_cell = vec![NOT_DRAWN; dataset.cells()];
     for (rank, &pair) in order.iter().enumerate() {
         rank_from_cell[index_of(pair) as usize] = rank as u32;
     }
     let toward = Toward::new(view);
     let drawn = |&cell: &u32| rank_from_cell[cell as usize] != NOT_DRAWN;
-    neighbours(dataset, (0..dataset.tets.len() as u32).into_par_iter().filter(drawn))
+    neighbours(dataset, (0..dataset.cells() as u32).into_par_iter().filter(drawn))
         .par_iter()
         .map(|pair| {
-            let corners = pair.face.map(|v| glam::Vec3::from_array(vertices[v as usize].position).as_dvec3());
-            let nearer = match side_of_eye(corners, toward) {
-                side if side > 0.0 => (pair.ahead, pair.behind),
-                side if side < 0.0 => (pair.behind, pair.ahead),
+            let corner = |v: u32| Vec3::from_array(vertices[v as usize].position).as_dvec3();
+            let side = |triangle: &[u32; 3]| side_of_eye(triangle.map(corner), toward);
+            let is_seen = |sign: f64| pair.triangles.iter().any(|triangle| side(triangle) * sign > 0.0);
+            let (nearer, farther) = match (is_seen(1.0), is_seen(-1.0)) {
+                (true, false) => (pair.ahead, pair.behind),
+                (false, true) => (pair.behind, pair.ahead),
                 _ => return OrderCheck::default(),
             };
-            let misordered = rank_from_cell[nearer.0 as usize] > rank_from_cell[nearer.1 as usize];
+            let misordered = rank_from_cell[nearer as usize] > rank_from_cell[farther as usize];
             OrderCheck { pairs: 1, misordered: misordered.into() }
         })
         .reduce(OrderCheck::default, |a, b| OrderCheck {
@@ -51,8 +54,6 @@ pub fn check_order(dataset: &Dataset, vertices: &[SceneVertex], view: &View, ord
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
-
     use super::*;
     use crate::columns::Dataset;
     use crate::generate::{Settings, delaunay, tets};

@@ -29,9 +29,9 @@ pub fn delaunay_share(dataset: &Dataset) -> f64 {
         let pairs = neighbours(dataset, cells.into_par_iter());
         faces += pairs.len();
         let is_delaunay = |pair: &&super::neighbours::Neighbours| {
-            let apex = |cell: u32| dataset.tets.get(cell as usize).into_iter().find(|v| !pair.face.contains(v));
+            let apex = |cell: u32| dataset.tets.get(cell as usize).into_iter().find(|v| !pair.triangles[0].contains(v));
             let (Some(ahead), Some(behind)) = (apex(pair.ahead), apex(pair.behind)) else { return false };
-            let [a, b, c] = pair.face.map(position);
+            let [a, b, c] = pair.triangles[0].map(position);
             // Positive inside the sphere of a, b, c, d where these are positively oriented by Shewchuk's rule.
             robust::insphere(a, c, b, position(ahead), position(behind)) < 0.0
         };

@@ -9,6 +9,7 @@ pub mod adjacency;
 pub mod centroid;
 pub mod check;
 pub mod delaunay;
+mod faces;
 mod neighbours;
 pub mod power;
 pub mod radix;

@@ -1,16 +1,17 @@
-//! Which cells share a face. O(n log n): faces are sorted by their vertices.
+//! Which cells share a face. O(n log n): faces are sorted by their names.
 
+use arrayvec::ArrayVec;
 use rayon::prelude::*;
 
+use super::faces::{FaceName, Faces, HEX_FACES, triangles};
 use crate::columns::Dataset;
-use crate::stages::classify::{FACES, OUTWARD_IF_POSITIVE};
 
 /// Two cells and the face they share.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Neighbours {
-    /// The face's vertices, ascending.
-    pub(super) face: [u32; 3],
-    /// The cell on the side that the face's canonical normal points to.
+    /// The vertices of the face's triangles, one or two, counterclockwise seen from `ahead`; of two tetrahedra ascending.
+    pub(super) triangles: ArrayVec<[u32; 3], 2>,
+    /// The cell on the side that the triangles' normals point to.
     pub(super) ahead: u32,
     /// The cell on the other side.
     pub(super) behind: u32,
@@ -18,21 +19,23 @@ pub(super) struct Neighbours {
 
 /// All pairs among `cells` that share a face.
 pub(super) fn neighbours(dataset: &Dataset, cells: impl ParallelIterator<Item = u32>) -> Vec<Neighbours> {
-    let mut faces: Vec<([u32; 3], u32, bool)> = cells
+    let faces = Faces::new(dataset);
+    let mut sides: Vec<(FaceName, u32, bool, u8)> = cells
         .flat_map_iter(|cell| {
-            let tet = dataset.tets.get(cell as usize);
-            let positive = dataset.positive.get(cell as usize);
-            (0..4).map(move |k| (FACES[k].map(|i| tet[i]), cell, positive == OUTWARD_IF_POSITIVE[k]))
+            let mut sides = ArrayVec::<_, HEX_FACES>::new();
+            faces.for_each(cell as usize, |k, name, ascends| sides.push((name, cell, ascends, k as u8)));
+            sides
         })
         .collect();
-    faces.par_sort_unstable();
-    faces
+    sides.par_sort_unstable();
+    sides
         .windows(2)
-        .filter(|two| two[0].0 == two[1].0 && two[0].2 != two[1].2)
+        .filter(|two| two[0].0 == two[1].0 && two[0].1 != two[1].1 && two[0].2 != two[1].2)
         .map(|two| {
             // A face's normal points out of one cell into the other.
-            let (behind, ahead) = if two[0].2 { (two[0].1, two[1].1) } else { (two[1].1, two[0].1) };
-            Neighbours { face: two[0].0, ahead, behind }
+            let (behind, ahead) = if two[0].2 { (two[0], two[1]) } else { (two[1], two[0]) };
+            let triangles = triangles(dataset, behind.1 as usize, behind.3.into());
+            Neighbours { triangles, ahead: ahead.1, behind: behind.1 }
         })
         .collect()
 }

@@ -1,7 +1,7 @@
 //! On which side of a face the eye lies: exact, and fast where it is plain.
 //!
 //! The sign of the determinant |b−a, c−a, a−e| (parallel rays: |b−a, c−a, d|). Its value in f64 decides where it exceeds what
-//! rounding can do to it, else Shewchuk's predicate. Vertices come in ascending order, so both cells at a face get the same answer.
+//! rounding can do to it, else Shewchuk's predicate: both cells at a face get the same answer, in whatever order they name its vertices.
 
 use glam::DVec3;
 
@@ -60,14 +60,56 @@ fn plain_of_cell([a, b, c, d]: [DVec3; 4], toward: Toward) -> Option<[f64; 4]> {
     (s.abs().min(t.abs()).min(u.abs().min(v.abs())) > rounding).then_some(sides)
 }
 
+/// The same for the triangles p, q, r and q, p, s of a face that is cut from p to q.
+///
+/// Both share the normal of the plane through the eye and the cut, m = (p−e)×(q−p) (parallel rays: d×(q−p)):
+/// |q−p, r−p, p−e| = m·(r−p). A face that is folded upon itself, r and s in one place, bounds nothing and has no sides.
+#[inline]
+pub(super) fn sides_of_fold([p, q, r, s]: [DVec3; 4], toward: Toward) -> [f64; 2] {
+    let along = match toward {
+        Toward::Eye(eye) => p - eye,
+        Toward::Along(direction) => direction,
+    };
+    let (cut, to_r, to_s) = (q - p, r - p, s - p);
+    let m = along.cross(cut);
+    let sides = [-m.dot(to_r), m.dot(to_s)];
+    let rounding = ROUNDING * norm_1(along) * norm_1(cut) * norm_1(to_r).max(norm_1(to_s));
+    if r == s {
+        [0.0; 2]
+    } else if sides[0].abs().min(sides[1].abs()) > rounding {
+        sides
+    } else {
+        [side_of_eye([p, q, r], toward), side_of_eye([q, p, s], toward)]
+    }
+}
+
 #[cold]
-fn exact([a, b, c]: [DVec3; 3], toward: Toward) -> f64 {
+fn exact(corners: [DVec3; 3], toward: Toward) -> f64 {
     let coord = |p: DVec3| robust::Coord3D { x: p.x, y: p.y, z: p.z };
     match toward {
-        Toward::Eye(eye) => -robust::orient3d(coord(a), coord(b), coord(c), coord(eye)),
-        // Differences of positions in f32 are exact but for extremes; at an extreme both cells round alike.
-        Toward::Along(direction) => -robust::orient3d(coord(b - a), coord(c - a), coord(direction), coord(DVec3::ZERO)),
+        Toward::Eye(eye) => {
+            let [a, b, c] = corners.map(coord);
+            -robust::orient3d(a, b, c, coord(eye))
+        }
+        // Differences of positions in f32 are exact but for extremes; at an extreme all orders of the vertices round alike.
+        Toward::Along(direction) => {
+            let ([a, b, c], is_even) = ascending(corners);
+            let side = robust::orient3d(coord(b - a), coord(c - a), coord(direction), coord(DVec3::ZERO));
+            if is_even { -side } else { side }
+        }
     }
+}
+
+/// The corners by their coordinates, and whether that is an even permutation.
+fn ascending(mut corners: [DVec3; 3]) -> ([DVec3; 3], bool) {
+    let mut is_even = true;
+    for (i, k) in [(0, 1), (1, 2), (0, 1)] {
+        if corners[i].to_array() > corners[k].to_array() {
+            corners.swap(i, k);
+            is_even = !is_even;
+        }
+    }
+    (corners, is_even)
 }
 
 fn norm_1(a: DVec3) -> f64 {
@@ -129,6 +171,46 @@ mod tests {
             }
         }
         assert!((50_000..190_000).contains(&in_one_go), "{in_one_go}");
+    }
+
+    #[test]
+    fn both_triangles_of_a_face_are_decided_as_each_alone() {
+        let mut random = Random::new(13);
+        let mut differ = 0;
+        for i in 0..100_000 {
+            let mut point = || random.point().as_vec3().as_dvec3();
+            let [p, q, r] = [point(), point(), point()];
+            let s = if i % 3 == 0 { p + q - r } else { point() };
+            let [a, b] = [random.unit(), random.unit()];
+            let aside = random.point() * (-60.0 * random.unit()).exp2();
+            let in_plane = (q - p) * a + (r - p) * b + aside;
+            for toward in [Toward::Eye(p + in_plane), Toward::Along(in_plane)] {
+                let fast = sides_of_fold([p, q, r, s], toward);
+                let slow = [exact([p, q, r], toward), exact([q, p, s], toward)];
+                assert_eq!(fast.map(|side| side.partial_cmp(&0.0)), slow.map(|side| side.partial_cmp(&0.0)));
+                // In the other cell's order.
+                let other = sides_of_fold([q, p, r, s], toward).map(|side| (-side).partial_cmp(&0.0));
+                assert_eq!(other, slow.map(|side| side.partial_cmp(&0.0)));
+                differ += i32::from(slow[0] * slow[1] < 0.0);
+                assert_eq!(sides_of_fold([p, q, r, r], toward), [0.0; 2]);
+            }
+        }
+        assert!((20_000..180_000).contains(&differ), "{differ}");
+    }
+
+    #[test]
+    fn the_order_of_vertices_turns_the_sign_and_nothing_else() {
+        // Coordinates so far apart that their differences are rounded.
+        let corners = [DVec3::new(1.0, 3e-12, 0.5), DVec3::new(1e-13, 1.0, 7e-14), DVec3::new(-3.0, 1e-20, 1e-9)];
+        let direction = (corners[1] - corners[0]) * 0.3 + (corners[2] - corners[0]) * 0.6;
+        for toward in [Toward::Along(direction), Toward::Eye(direction)] {
+            let [a, b, c] = corners;
+            let side = exact([a, b, c], toward).total_cmp(&0.0);
+            for [p, q, r] in [[b, c, a], [c, a, b]] {
+                assert_eq!(exact([p, q, r], toward).total_cmp(&0.0), side);
+                assert_eq!(exact([q, p, r], toward).total_cmp(&0.0), side.reverse());
+            }
+        }
     }
 
     #[test]

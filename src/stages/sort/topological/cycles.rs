@@ -7,12 +7,13 @@
 
 use super::graph::{Graph, Relation, farther, nearer, relation};
 use super::layers::Layering;
+use crate::stages::sort::adjacency::Across;
 
 const NONE: u32 = u32::MAX;
 
 /// Cuts all cycles among `cells`, ascending; how many cells were let go. `depth` is a key that orders nearly.
-pub(super) fn cut<const F: usize>(
-    graph: &mut Graph<F>,
+pub(super) fn cut<A: Across>(
+    graph: &mut Graph<A>,
     layering: &mut Layering,
     cells: Vec<u32>,
     depth: impl Fn(u32) -> u32,
@@ -57,7 +58,7 @@ struct Component {
 }
 
 /// The strongly connected components of more than one cell among `cells`. `places` holds `NONE` for every cell, and does again.
-fn components<const F: usize>(graph: &Graph<F>, cells: &[u32], places: &mut [u32]) -> Vec<Component> {
+fn components<A: Across>(graph: &Graph<A>, cells: &[u32], places: &mut [u32]) -> Vec<Component> {
     for (place, &cell) in cells.iter().enumerate() {
         places[cell as usize] = place as u32;
     }

@@ -9,19 +9,15 @@
 
 use std::ops::Range;
 
-use glam::Vec3;
 use rayon::prelude::*;
 
-use super::graph::{Relation, Sides, relation};
-use super::triangle::Triangle;
-use crate::columns::Dataset;
-use crate::stages::classify::FACES;
+use super::graph::{Relation, relation};
+use super::outline::{Outline, Seen};
 use crate::stages::footprints::{PixelBox, PixelBoxes};
-use crate::stages::sort::adjacency::{Adjacency, Face, is_outward};
-use crate::stages::{SceneVertex, View};
+use crate::stages::sort::adjacency::Adjacency;
 
 /// Side of a square in pixels, and rows of a band.
-const SQUARE: usize = 16;
+pub(super) const SQUARE: usize = 16;
 /// A face on more bands than this is looked at by all of them. Chosen: it bounds the lists of all bands.
 const MANY_BANDS: usize = 8;
 /// Entries and exits closer than this stand in the order in which cells follow each other, and not overlap: what compositors allow
@@ -29,22 +25,6 @@ const MANY_BANDS: usize = 8;
 const SLACK: f64 = 2e-6;
 /// Rounding of the depths that squares are judged by, in f32, in the same units.
 const DEPTH_SLACK: f32 = 1e-5;
-
-/// An exterior face as it lies in the picture.
-#[derive(Clone, Copy, Debug)]
-struct Outline {
-    face: Face,
-    pixels: PixelBox,
-    /// Inverse depths where it is farthest and nearest.
-    v_range: [f32; 2],
-    is_exit: bool,
-}
-
-impl Outline {
-    fn bands(&self) -> Range<usize> {
-        self.pixels.y0 as usize / SQUARE..(self.pixels.y1 as usize).div_ceil(SQUARE)
-    }
-}
 
 /// Finds relations; keeps its memory between frames.
 #[derive(Default)]
@@ -57,31 +37,14 @@ pub(super) struct Exterior {
     tall: Vec<u32>,
 }
 
-/// What the faces are seen with.
-#[derive(Clone, Copy)]
-struct Seen<'a> {
-    dataset: &'a Dataset,
-    sides_from_cell: &'a [Sides],
-    vertices: &'a [SceneVertex],
-    view: &'a View,
-}
-
 impl Exterior {
     /// Writes what the rays of all pixels relate to `relations`, ascending, each once.
-    pub(super) fn relations(
-        &mut self,
-        dataset: &Dataset,
-        adjacency: &Adjacency,
-        sides_from_cell: &[Sides],
-        vertices: &[SceneVertex],
-        view: &View,
-        relations: &mut Vec<Relation>,
-    ) {
-        let seen = Seen { dataset, sides_from_cell, vertices, view };
-        let boxes = PixelBoxes::new(view);
+    pub(super) fn relations(&mut self, seen: Seen, adjacency: &Adjacency, relations: &mut Vec<Relation>) {
+        let boxes = PixelBoxes::new(seen.view);
         self.outlines.clear();
-        self.outlines.par_extend(adjacency.exterior().par_iter().filter_map(|&face| seen.outline(&boxes, face)));
-        let bands = (view.size_px[1] as usize).div_ceil(SQUARE);
+        let outlines = adjacency.exterior().par_iter().flat_map_iter(|&face| seen.outlines(&boxes, face));
+        self.outlines.par_extend(outlines);
+        let bands = (seen.view.size_px[1] as usize).div_ceil(SQUARE);
         self.sort_into_bands(bands);
 
         relations.clear();
@@ -122,32 +85,6 @@ impl Exterior {
                 places[band] += 1;
             }
         }
-    }
-}
-
-impl Seen<'_> {
-    fn corners(&self, face: Face) -> [[f32; 3]; 3] {
-        let tet = self.dataset.tets.get(face.cell as usize);
-        FACES[face.index as usize].map(|i| self.vertices[tet[i] as usize].position)
-    }
-
-    /// The outline of a face that is not edge-on and may be met.
-    fn outline(&self, boxes: &PixelBoxes, face: Face) -> Option<Outline> {
-        let Sides { before, after } = self.sides_from_cell[face.cell as usize];
-        if (before | after) >> face.index & 1 == 0 {
-            return None;
-        }
-        let (pixels, [nearest, farthest]) = boxes.of_triangle(self.corners(face))?;
-        let v_range = [farthest, nearest].map(|depth| self.view.inverse_depth(depth));
-        Some(Outline { face, pixels, v_range, is_exit: after >> face.index & 1 == 1 })
-    }
-
-    fn triangle(&self, outline: &Outline) -> Triangle {
-        let Outline { face, is_exit, .. } = *outline;
-        let corners = self.corners(face).map(|p| Vec3::from_array(p).as_dvec3() - self.view.eye);
-        // Rays enter a face whose outward normal comes towards them.
-        let normal_is_along = is_outward(self.dataset, face.cell as usize, face.index as usize) == is_exit;
-        Triangle::new(self.view, corners, normal_is_along)
     }
 }
 
@@ -197,7 +134,7 @@ impl Band {
         }
         let scale = |v: f32| if seen.view.is_perspective { v.abs() } else { 1.0 };
         let may_cross = |[exit, entry]: [f32; 2]| exit >= entry - DEPTH_SLACK * scale(entry);
-        let v_near = f64::from(seen.view.inverse_depth(seen.view.near));
+        let v_near = seen.v_near();
 
         self.events.clear();
         for outline in outlines {
@@ -213,7 +150,7 @@ impl Band {
                     let first = (y - rows.start) * width;
                     triangle.for_each_in_row(y, columns.clone(), |x, v| {
                         if v <= v_near {
-                            let (pixel, cell) = ((first + x) as u32, outline.face.cell);
+                            let (pixel, cell) = ((first + x) as u32, outline.cell);
                             self.events.push(Event { v, pixel, cell, is_exit: outline.is_exit });
                         }
                     });

@@ -1,11 +1,12 @@
 //! [`Graph`]: which cell comes right before and right after which, for one view.
 //!
-//! Nodes are cells, each with up to `F` faces. Two cells at a face are related where the eye lies on one side of it; cells whose
-//! faces have nothing across are related by what rays meet (`exterior`).
+//! Nodes are cells. Two cells at a face are related where the eye lies on one side of it. What rays meet relates those whose faces have
+//! nothing across (`exterior`), and those at a face that is seen from both sides (`folds`).
 
-use crate::stages::sort::adjacency::Adjacency;
+use crate::stages::sort::adjacency::{Across, Adjacency};
 
-/// Where what lies across each face of a cell stands, a bit for each of up to eight faces; neither, where the face is edge-on.
+/// Where what lies across each face of a cell stands, a bit for each of up to eight faces. Neither, where the face is edge-on; both,
+/// where its two triangles are seen from different sides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Sides {
     /// Across this face lies what comes before the cell: rays enter here.
@@ -14,7 +15,25 @@ pub(super) struct Sides {
     pub(super) after: u8,
 }
 
-/// Relations between cells without a common face, `nearer << 32 | farther`, ascending, each once.
+impl Sides {
+    /// The faces that are seen from both sides, and relate nothing by themselves.
+    #[inline]
+    pub(super) fn both(self) -> u8 {
+        self.before & self.after
+    }
+
+    #[inline]
+    fn only_before(self) -> u8 {
+        self.before & !self.after
+    }
+
+    #[inline]
+    fn only_after(self) -> u8 {
+        self.after & !self.before
+    }
+}
+
+/// A relation that rays found, `nearer << 32 | farther`; lists of them ascend, each once.
 pub(super) type Relation = u64;
 
 pub(super) fn relation(nearer: u32, farther: u32) -> Relation {
@@ -29,55 +48,50 @@ pub(super) fn farther(relation: Relation) -> u32 {
     relation as u32
 }
 
-/// The visibility graph of cells with at most `F` faces; one with fewer has nothing across the others.
-pub(super) struct Graph<'a, const F: usize> {
-    /// The cell across each face, or [`Adjacency::NONE`].
-    pub(super) neighbours_from_cell: &'a [[u32; F]],
+/// The visibility graph.
+pub(super) struct Graph<'a, A> {
+    /// The cell across each face.
+    pub(super) neighbours: A,
     pub(super) sides_from_cell: &'a mut [Sides],
     pub(super) relations: &'a mut Vec<Relation>,
 }
 
-impl<const F: usize> Graph<'_, F> {
-    const FACES_FIT: () = assert!(F <= 8, "sides have a bit for each of eight faces");
-
+impl<A: Across> Graph<'_, A> {
     /// How many cells there are.
     pub(super) fn len(&self) -> usize {
-        let () = Self::FACES_FIT;
-        self.neighbours_from_cell.len()
+        self.neighbours.len()
     }
 
     /// The cells across the faces of `cell` that `faces` has a bit for.
     #[inline]
     fn across(&self, cell: u32, faces: u8) -> impl Iterator<Item = u32> {
-        let row = self.neighbours_from_cell[cell as usize];
-        (0..F).filter(move |k| faces >> k & 1 == 1).map(move |k| row[k]).filter(|&other| other != Adjacency::NONE)
+        self.neighbours.across(cell, faces).map(|(_, other)| other).filter(|&other| other != Adjacency::NONE)
     }
 
     /// The neighbours that come right before `cell`.
     #[inline]
     pub(super) fn neighbours_before(&self, cell: u32) -> impl Iterator<Item = u32> {
-        self.across(cell, self.sides_from_cell[cell as usize].before)
+        self.across(cell, self.sides_from_cell[cell as usize].only_before())
     }
 
     /// The neighbours that come right after `cell`.
     #[inline]
     pub(super) fn neighbours_after(&self, cell: u32) -> impl Iterator<Item = u32> {
-        self.across(cell, self.sides_from_cell[cell as usize].after)
+        self.across(cell, self.sides_from_cell[cell as usize].only_after())
     }
 
-    /// Whether rays leave `cell` into the open.
+    /// Whether rays leave `cell` into the open, or through a face that is seen from both sides.
     #[inline]
-    fn has_exit(&self, cell: u32) -> bool {
-        let after = self.sides_from_cell[cell as usize].after;
-        let row = &self.neighbours_from_cell[cell as usize];
-        (0..F).any(|k| after >> k & 1 == 1 && row[k] == Adjacency::NONE)
+    fn may_have_relations(&self, cell: u32) -> bool {
+        let sides = self.sides_from_cell[cell as usize];
+        sides.both() != 0 || self.neighbours.across(cell, sides.after).any(|(_, other)| other == Adjacency::NONE)
     }
 
-    /// The relations of `cell` to what comes after it without a common face.
+    /// What rays found to come after `cell`.
     #[inline]
     pub(super) fn relations_after(&self, cell: u32) -> &[Relation] {
         // Most cells are inside: they are told from the others without a search.
-        if self.relations.is_empty() || !self.has_exit(cell) {
+        if self.relations.is_empty() || !self.may_have_relations(cell) {
             return &[];
         }
         let start = self.relations.partition_point(|&r| nearer(r) < cell);
@@ -93,18 +107,14 @@ impl<const F: usize> Graph<'_, F> {
 
     /// Forgets that neighbour `nearer` comes before `cell`; how many faces said so.
     pub(super) fn forget_neighbour(&mut self, nearer: u32, cell: u32) -> u32 {
-        let mut forgotten = 0;
-        for k in 0..F {
-            let sides = &mut self.sides_from_cell[cell as usize];
-            if sides.before >> k & 1 == 1 && self.neighbours_from_cell[cell as usize][k] == nearer {
-                sides.before &= !(1 << k);
-                forgotten += 1;
-            }
-            let sides = &mut self.sides_from_cell[nearer as usize];
-            if sides.after >> k & 1 == 1 && self.neighbours_from_cell[nearer as usize][k] == cell {
-                sides.after &= !(1 << k);
-            }
-        }
-        forgotten
+        let faces_of = |cell: u32, faces: u8, neighbour: u32| {
+            let faces = self.neighbours.across(cell, faces).filter(move |&(_, other)| other == neighbour);
+            faces.fold(0_u8, |bits, (k, _)| bits | 1 << k)
+        };
+        let before = faces_of(cell, self.sides_from_cell[cell as usize].only_before(), nearer);
+        let after = faces_of(nearer, self.sides_from_cell[nearer as usize].only_after(), cell);
+        self.sides_from_cell[cell as usize].before &= !before;
+        self.sides_from_cell[nearer as usize].after &= !after;
+        before.count_ones()
     }
 }

@@ -13,6 +13,7 @@ use rayon::Scope;
 use rayon::prelude::*;
 
 use super::graph::{Graph, farther};
+use crate::stages::sort::adjacency::Across;
 
 /// Cells on a thread's stack from which on it gives half of them away. Chosen: a thousand cells take some tens of microseconds.
 const SHARED: usize = 2048;
@@ -35,7 +36,7 @@ struct Place {
 
 impl Layering {
     /// Counts what each cell waits for.
-    pub(super) fn begin<const F: usize>(&mut self, graph: &Graph<F>) {
+    pub(super) fn begin<A: Across>(&mut self, graph: &Graph<A>) {
         let place = |cell: usize| {
             let waits_for = graph.neighbours_before(cell as u32).count() as u32;
             Place { waits_for: AtomicU32::new(waits_for), layer: AtomicU32::new(0) }
@@ -58,7 +59,7 @@ impl Layering {
     }
 
     /// Places `ready`, cells that wait for none, and all that come to be so; how many these are.
-    pub(super) fn place<const F: usize>(&self, graph: &Graph<F>, ready: &[u32]) -> u64 {
+    pub(super) fn place<A: Across>(&self, graph: &Graph<A>, ready: &[u32]) -> u64 {
         let walk = Walk { graph, layering: self, placed: AtomicU64::new(0) };
         rayon::scope(|scope| {
             for some in ready.chunks(SHARED) {
@@ -77,13 +78,13 @@ impl Layering {
 }
 
 /// What the threads share.
-struct Walk<'a, const F: usize> {
-    graph: &'a Graph<'a, F>,
+struct Walk<'a, A> {
+    graph: &'a Graph<'a, A>,
     layering: &'a Layering,
     placed: AtomicU64,
 }
 
-impl<const F: usize> Walk<'_, F> {
+impl<A: Across> Walk<'_, A> {
     fn place<'s>(&'s self, scope: &Scope<'s>, mut ready: Vec<u32>) {
         let mut placed = 0;
         while let Some(cell) = ready.pop() {

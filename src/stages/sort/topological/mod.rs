@@ -1,19 +1,25 @@
 //! `topological`: Williams' meshed-polyhedra visibility order, with what Cook et al. add for meshes that are not convex.
 //!
 //! In: cells, their [`Adjacency`], vertices, the view. Out: a layer for each cell, the key; how many cycles were broken. `sides`
-//! → `exterior` → `layers`, and where cells wait for each other `cycles`.
+//! → `exterior`, `folds` → `layers`, and where cells wait for each other `cycles`.
 //!
 //! Two cells at a face are in order when the one on the eye's side comes first. A ray that leaves the mesh and enters it again
-//! relates two cells without a common face; a picture looks along the rays of its pixel centres and nowhere else, so the relations
-//! that these meet are enough. Cells that do not show stay in the graph: the order of others runs through them.
+//! relates two cells without a common face, and one that meets a face which is seen from both sides the two cells at it; a picture
+//! looks along the rays of its pixel centres and nowhere else, so the relations that these meet are enough. Cells that do not show
+//! stay in the graph: the order of others runs through them.
+//!
+//! Cells without volume are not drawn and not in the graph. Faces that only one of them parts have nothing across: rays pass from one
+//! into the next at one depth, which relates them (Williams 1992 and Max 2006, section 7, give such cells a place instead).
 //!
 //! Sources: Williams, Visibility ordering meshed polyhedra, 1992. Cook, Max, Silva, Williams, Image-space visibility ordering for
 //! cell projection volume rendering of unstructured data, 2004. Max 2006, section 5.
 
 mod cycles;
 mod exterior;
+mod folds;
 mod graph;
 mod layers;
+mod outline;
 mod sides;
 #[cfg(test)]
 mod tests;
@@ -25,7 +31,8 @@ use rayon::prelude::*;
 use self::exterior::Exterior;
 use self::graph::{Graph, Relation, Sides};
 use self::layers::Layering;
-use super::adjacency::Adjacency;
+use self::outline::Seen;
+use super::adjacency::{Across, Adjacency};
 use super::centroid::Centroid;
 use super::{Toward, key_of_depth};
 use crate::columns::Dataset;
@@ -36,9 +43,10 @@ use crate::stages::{SceneVertex, View};
 pub struct Layers {
     /// Layers of cells that do not overlap.
     pub layers: u32,
-    /// Cells that were let go before one that lies before them, since each waited for another; with none the order is exact.
+    /// Cells that were let go before one that lies before them, since each waited for another, and faces through which rays pass both
+    /// ways; with none the order is exact.
     pub cycles: u64,
-    /// Pairs of cells without a common face that a ray meets one after the other.
+    /// Pairs of cells that are related by what rays meet: without a common face, or at one that is seen from both sides.
     pub relations: u64,
 }
 
@@ -55,28 +63,44 @@ pub struct Topological {
 impl Topological {
     /// Finds the order of all cells of `dataset` in `view`; the same for any number of threads.
     pub fn order(&mut self, dataset: &Dataset, adjacency: &Adjacency, vertices: &[SceneVertex], view: &View) -> Layers {
-        self.sides_from_cell.resize(dataset.tets.len(), Sides::default());
+        self.sides_from_cell.resize(dataset.cells(), Sides::default());
         sides::sides(dataset, vertices, Toward::new(view), &mut self.sides_from_cell);
-        self.exterior.relations(dataset, adjacency, &self.sides_from_cell, vertices, view, &mut self.relations);
+        let seen = Seen { dataset, sides_from_cell: &self.sides_from_cell, vertices, view };
+        self.exterior.relations(seen, adjacency, &mut self.relations);
+        let both_ways = folds::relations(seen, adjacency, &mut self.relations);
         let relations = self.relations.len() as u64;
 
-        let neighbours_from_cell = adjacency.neighbours_from_cell();
-        let (sides_from_cell, relations_found) = (&mut self.sides_from_cell[..], &mut self.relations);
-        let mut graph = Graph { neighbours_from_cell, sides_from_cell, relations: relations_found };
-        let layering = &mut self.layering;
+        let centroid = Centroid::new(view);
+        let corner = |v: u32| Vec3::from_array(vertices[v as usize].position);
+        let (layers, let_go) = if dataset.hexahedra.is_empty() {
+            self.layers(adjacency.tet_rows(), |cell| centroid.depth(dataset.tets.get(cell).map(corner)))
+        } else {
+            let hexahedra = dataset.hexahedra.view();
+            self.layers(adjacency.rows(dataset), |cell| match cell.checked_sub(dataset.tets.len()) {
+                None => centroid.depth(dataset.tets.get(cell).map(corner)),
+                Some(cell) => centroid.depth(hexahedra.get(cell).map(corner)),
+            })
+        };
+        Layers { layers, cycles: both_ways + let_go, relations }
+    }
+
+    /// Finds the layers of cells whose sides and relations are known; how many there are, and how many cells were let go. `depth` is a
+    /// key that orders nearly.
+    fn layers(&mut self, neighbours: impl Across, depth: impl Fn(usize) -> f32) -> (u32, u64) {
+        let Self { sides_from_cell, relations, layering, layer_from_cell, .. } = self;
+        let mut graph = Graph { neighbours, sides_from_cell, relations };
+        let cells = graph.len();
         layering.begin(&graph);
-        let all = || (0..dataset.tets.len() as u32).into_par_iter();
+        let all = || (0..cells as u32).into_par_iter();
         let placed = layering.place(&graph, &layering.waiting(all(), false));
-        let mut cycles = 0;
-        if placed < dataset.tets.len() as u64 {
+        let mut let_go = 0;
+        if placed < cells as u64 {
             let waiting = layering.waiting(all(), true);
-            let centroid = Centroid::new(view);
-            let corner = |v: u32| Vec3::from_array(vertices[v as usize].position);
-            let depth = |cell: u32| key_of_depth(centroid.depth(dataset.tets.get(cell as usize).map(corner)));
-            cycles = cycles::cut(&mut graph, layering, waiting.clone(), depth);
+            let depth = |cell: u32| key_of_depth(depth(cell as usize));
+            let_go = cycles::cut(&mut graph, layering, waiting.clone(), depth);
             layering.place(&graph, &layering.waiting(waiting.into_par_iter(), false));
         }
-        Layers { layers: layering.finish(&mut self.layer_from_cell), cycles, relations }
+        (layering.finish(layer_from_cell), let_go)
     }
 
     /// The layer of each cell in the last order, 0 the nearest: cells of one layer hide nothing of each other.

@@ -1,5 +1,7 @@
 //! Layers and relations against slow twins: longest ways found by relaxing all relations, and all cells along the rays of all pixels.
 
+mod whole;
+
 use std::collections::{BTreeSet, HashSet};
 
 use glam::DVec3;
@@ -68,11 +70,13 @@ fn order(dataset: &Dataset, view: &View) -> Ordered {
 fn before_and_after(dataset: &Dataset, ordered: &Ordered, view: &View) -> Vec<(u32, u32)> {
     let mut related: Vec<(u32, u32)> =
         ordered.topological.relations.iter().map(|&r| (graph::nearer(r), graph::farther(r))).collect();
-    for pair in neighbours(dataset, (0..dataset.tets.len() as u32).into_par_iter()) {
+    for pair in neighbours(dataset, (0..dataset.cells() as u32).into_par_iter()) {
         let corner = |v: u32| Vec3::from_array(ordered.vertices[v as usize].position).as_dvec3();
-        let side = side_of_eye(pair.face.map(corner), Toward::new(view));
-        if side != 0.0 {
-            related.push(if side > 0.0 { (pair.ahead, pair.behind) } else { (pair.behind, pair.ahead) });
+        let sides = || pair.triangles.iter().map(|triangle| side_of_eye(triangle.map(corner), Toward::new(view)));
+        match (sides().any(|side| side > 0.0), sides().any(|side| side < 0.0)) {
+            (true, false) => related.push((pair.ahead, pair.behind)),
+            (false, true) => related.push((pair.behind, pair.ahead)),
+            _ => {}
         }
     }
     related
@@ -154,8 +158,7 @@ fn relations_are_those_of_cells_that_follow_each_other_across_the_open() {
                 let cells = along_ray(&mesh, &ordered.vertices, view, pixel);
                 for two in cells.windows(2) {
                     let related = (two[0].2, two[1].2);
-                    let is_neighbour =
-                        ordered.adjacency.neighbours_from_cell()[related.0 as usize].contains(&related.1);
+                    let is_neighbour = ordered.adjacency.neighbours_from_tet()[related.0 as usize].contains(&related.1);
                     let gap = two[1].0 - two[0].1;
                     possible.insert(related);
                     if !is_neighbour && gap > 1e-4 {

@@ -1,14 +1,16 @@
-//! One exterior face against the rays of pixel centres, in f64.
+//! One triangle of a face against the rays of pixel centres, in f64.
 //!
-//! Symbols as in `footprints`: a ray is e + w·d(x, y), along parallel rays e + o(x, y) + w·f; a, b, c are a face's ascending vertices
+//! Symbols as in `footprints`: a ray is e + w·d(x, y), along parallel rays e + o(x, y) + w·f; a, b, c are the triangle's corners
 //! relative to the eye e. It is met where d·(a×b), d·(b×c) and d·(c×a) have the sign of a·(b×c): also with corners behind the eye.
-//! Both faces at an edge compute its term from the same vertices in the same order: a ray that passes it meets one of them.
+//! Both triangles at an edge compute its term from the same corners, and an edge run the other way has the same term with the other
+//! sign, to the bit: a ray that passes the edge meets one of them.
 
 use std::ops::Range;
 
 use glam::DVec3;
 
 use crate::stages::View;
+use crate::stages::footprints::PixelBox;
 
 /// An affine function of the picture position.
 #[derive(Clone, Copy, Debug)]
@@ -87,5 +89,15 @@ impl Triangle {
                 met(column, self.plane.at(x, row).max(self.v_range[0]).min(self.v_range[1]));
             }
         }
+    }
+
+    /// How many of the rays of `pixels` meet it beyond the near plane, at an inverse depth up to `v_near`.
+    pub(super) fn count(&self, pixels: PixelBox, v_near: f64) -> u64 {
+        let mut count = 0;
+        for y in pixels.y0..pixels.y1 {
+            let columns = pixels.x0.into()..pixels.x1.into();
+            self.for_each_in_row(y.into(), columns, |_, v| count += u64::from(v <= v_near));
+        }
+        count
     }
 }
