@@ -6,7 +6,7 @@ use cellfan::optics::Output;
 use cellfan::{CpuMethod, Integral, Model, SortMethod};
 use clap::Args;
 
-use crate::cli::arguments::{bytes, color, finite, length, named, one_of, size, transmittance, view};
+use crate::cli::arguments::{Cells, bytes, color, finite, length, named, one_of, size, transmittance, view};
 
 /// What draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,7 +98,7 @@ pub(in crate::cli) struct Arguments {
     pub(super) cpu_method: CpuMethod,
     /// Draw hexahedra, wedges, pyramids and voxels whole, or cut into tetrahedra, which is another field inside a cell
     /// [default: whole where the method can: footprints, without --check-order].
-    #[arg(long, value_name = "CELLS", help_heading = "Method", value_parser = one_of([("whole", Cells::Whole), ("tetrahedra", Cells::Tetrahedra)]))]
+    #[arg(long, value_name = "CELLS", help_heading = "Method", value_parser = one_of(Cells::NAMED))]
     pub(super) cells: Option<Cells>,
     /// Count the neighbouring cells that the order puts the wrong way round.
     #[arg(long, help_heading = "Method")]
@@ -133,15 +133,6 @@ Examples:
   cellfan render mesh.vtu -o turn.png --frames 36 --orbit 360 --background 0,0,0
   cellfan render mesh.vtu -o out.npy --model absorption --stats - | jq .frame_ms
   cellfan render mesh.vtu -o xray.exr --model absorption --bands bands.csv --output depth";
-
-/// How cells with more than four corners are drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Cells {
-    /// As they are.
-    Whole,
-    /// Cut.
-    Tetrahedra,
-}
 
 impl Arguments {
     /// Where the picture goes; by default the mesh's name with .png, in the current folder.
