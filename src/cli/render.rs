@@ -65,8 +65,11 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         None => array::choose(&dataset, arguments.array.as_deref()).map_err(|error| error.in_file(path))?,
     };
     let (transfer, note) = match band_note {
-        // Bands that do not glow have no use for colours.
+        // Bands that do not glow have no use for colours; arrays glow white where nothing else is said.
         Some(note) if options.model == Model::Absorption => (TransferFunction::constant([1.0; 3], 0.0)?, note),
+        Some(note) if bands.are_arrays() && arguments.transfer.is_none() => {
+            (TransferFunction::constant([1.0; 3], 0.0)?, format!("white, {note}"))
+        }
         note => {
             let (transfer, transfer_note) = transfer.make(&dataset, &field, options.model)?;
             let bands = note.map(|bands| format!(", {bands}")).unwrap_or_default();
