@@ -128,10 +128,8 @@ impl Gathered {
             let channels = bands.min(CHANNELS.saturating_sub(first));
             for (pixel, of_pass) in light.pixels.iter_mut().zip(&pass.pixels) {
                 let (of_light, opacity) = of_pass.split_at(GLOWING_BANDS_PER_PASS);
-                for c in 0..channels {
-                    pixel[first + c] = of_light[c];
-                    pixel[3] += opacity[c] / CHANNELS as f32;
-                }
+                pixel[3] += opacity[..channels].iter().sum::<f32>() / CHANNELS as f32;
+                pixel.iter_mut().skip(first).zip(&of_light[..channels]).for_each(|(channel, light)| *channel = *light);
             }
         }
         self.bands += bands;

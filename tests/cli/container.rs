@@ -10,10 +10,10 @@ fn grid(structured: bool) -> String {
     let all = (0..5).flat_map(|k| (0..6).flat_map(move |j| (0..7).map(move |i| [i, j, k])));
     let point = |[i, j, k]: [u32; 3]| {
         let [x, y, z] = [i, j, k].map(f64::from);
-        format!("{} {} {}\n", x + 0.2 * (y + z).sin(), y + 0.1 * (x * z).sin(), z + 0.15 * (x + y).cos())
+        format!("{} {} {}", x + 0.2 * (y + z).sin(), y + 0.1 * (x * z).sin(), z + 0.15 * (x + y).cos())
     };
-    let points = all.clone().map(point).collect::<String>();
-    let values = all.clone().map(|[i, j, k]| format!("{}\n", i * j + 3 * k)).collect::<String>();
+    let points: Vec<String> = all.clone().map(point).collect();
+    let values: Vec<String> = all.clone().map(|[i, j, k]| (i * j + 3 * k).to_string()).collect();
     let mut cells = Vec::new();
     for [i, j, k] in all.filter(|&[i, j, k]| i < 6 && j < 5 && k < 4) {
         let around = |k: u32| [index(i, j, k), index(i + 1, j, k), index(i + 1, j + 1, k), index(i, j + 1, k)];
@@ -28,24 +28,27 @@ fn grid(structured: bool) -> String {
         cells = vec![(12, Vec::new()); 6 * 5 * 4];
     }
     let dataset = if structured { "STRUCTURED_GRID\nDIMENSIONS 7 6 5" } else { "UNSTRUCTURED_GRID" };
-    let mut text = format!("# vtk DataFile Version 3.0\ngrid\nASCII\nDATASET {dataset}\nPOINTS 210 double\n{points}");
+    let count = cells.len();
+    let mut lines = vec![format!("# vtk DataFile Version 3.0\ngrid\nASCII\nDATASET {dataset}\nPOINTS 210 double")];
+    lines.extend(points);
     if !structured {
         let size: usize = cells.iter().map(|(_, corners)| corners.len() + 1).sum();
-        text += &format!("CELLS {} {size}\n", cells.len());
+        lines.push(format!("CELLS {count} {size}"));
         for (_, corners) in &cells {
-            let corners = corners.iter().map(|v| format!(" {v}")).collect::<String>();
-            text += &format!("{}{corners}\n", corners.split_whitespace().count());
+            let numbers = std::iter::once(corners.len() as u32).chain(corners.iter().copied());
+            lines.push(numbers.map(|number| number.to_string()).collect::<Vec<_>>().join(" "));
         }
-        text += &format!("CELL_TYPES {}\n", cells.len());
-        text.extend(cells.iter().map(|(code, _)| format!("{code}\n")));
+        lines.push(format!("CELL_TYPES {count}"));
+        lines.extend(cells.iter().map(|(code, _)| code.to_string()));
     }
-    text += &format!("POINT_DATA 210\nSCALARS value double 1\nLOOKUP_TABLE default\n{values}");
-    text += &format!("CELL_DATA {}\nSCALARS of_cell float 1\nLOOKUP_TABLE default\n", cells.len());
-    text.extend((0..cells.len()).map(|i| format!("{}\n", i * 37 % 101)));
+    lines.push("POINT_DATA 210\nSCALARS value double 1\nLOOKUP_TABLE default".to_owned());
+    lines.extend(values);
+    lines.push(format!("CELL_DATA {count}\nSCALARS of_cell float 1\nLOOKUP_TABLE default"));
+    lines.extend((0..count).map(|i| (i * 37 % 101).to_string()));
     // Every ninth cell is hidden.
-    text += "SCALARS vtkGhostType unsigned_char 1\nLOOKUP_TABLE default\n";
-    text.extend((0..cells.len()).map(|i| if i % 9 == 4 { "32\n" } else { "0\n" }));
-    text
+    lines.push("SCALARS vtkGhostType unsigned_char 1\nLOOKUP_TABLE default".to_owned());
+    lines.extend((0..count).map(|i| if i % 9 == 4 { "32".to_owned() } else { "0".to_owned() }));
+    lines.join("\n") + "\n"
 }
 
 #[test]

@@ -135,8 +135,11 @@ impl<'a> Sorting<'a, '_> {
     }
 }
 
+/// The lowest and highest corner of a box.
+type Extent = Result<(DVec3, DVec3)>;
+
 /// The box around all corners of cells.
-fn extent(source: &dyn CellSource) -> Result<(DVec3, DVec3)> {
+fn extent(source: &dyn CellSource) -> Extent {
     let (points, limit) = (source.points(), u64::from(u32::MAX) - 1);
     let cells = source.tets() + source.hexahedra().len();
     for (column, len) in [("points", points.len() as u64), ("cells", cells as u64)] {
@@ -144,7 +147,6 @@ fn extent(source: &dyn CellSource) -> Result<(DVec3, DVec3)> {
             return Err(Error::TooLarge { column, len, limit });
         }
     }
-    type Extent = Result<(DVec3, DVec3)>;
     let nothing = || Ok((DVec3::INFINITY, DVec3::NEG_INFINITY));
     let include = |all: Extent, corners: &[u32], file_cell: &dyn Fn() -> u32| {
         let (mut low, mut high) = all?;

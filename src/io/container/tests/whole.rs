@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use super::*;
 use crate::cells::{HEXAHEDRON, PYRAMID, TETRAHEDRON, WEDGE};
 use crate::columns::{BitColumn, CellMesh, HexShape, StructuredBlock};
-use crate::io::container::directory::Span;
+use crate::io::container::directory::{HexahedraEntry, Span};
 use crate::io::{StructuredMesh, UnstructuredMesh, WholeCells};
 
 /// The points of a box of `n` cells each way, a little bent; i fastest.
@@ -94,7 +94,7 @@ fn listed_cells_of_all_kinds_are_what_they_become_in_memory() {
         let mesh = mixed(n);
         let expected = Dataset::from_cells(mesh.clone()).unwrap();
         assert_eq!(expected.blocks.len(), blocks);
-        assert!(expected.tets.len() > 0 && expected.counts.inverted > 0);
+        assert!(!expected.tets.is_empty() && expected.counts.inverted > 0);
         let whole = folder.container(&mesh, 1 << 30);
         assert_same(&whole, &expected);
         assert_eq!(whole.hexahedra.owned_bytes(), 0, "used in place");
@@ -227,6 +227,12 @@ fn whole_cells_are_cut_as_the_source_is() {
     }));
 }
 
+type Lie = fn(&mut Directory);
+
+fn entry(directory: &mut Directory) -> &mut HexahedraEntry {
+    directory.hexahedra.as_mut().unwrap()
+}
+
 #[test]
 fn directories_of_whole_cells_that_lie_are_refused() {
     let folder = Folder::new();
@@ -237,10 +243,6 @@ fn directories_of_whole_cells_that_lie_are_refused() {
         assert!(matches!(error, Error::Malformed { .. }), "{error:?}");
         assert!(error.to_string().contains(part), "{error} says nothing of {part:?}");
     };
-    type Lie = fn(&mut Directory);
-    fn entry(directory: &mut Directory) -> &mut crate::io::container::directory::HexahedraEntry {
-        directory.hexahedra.as_mut().unwrap()
-    }
     let listed: [(Lie, &str); 13] = [
         (|d| d.hexahedra = None, "version 2"),
         (|d| d.cell_kind = Directory::TETRAHEDRON.to_owned(), "tetrahedron"),
