@@ -90,9 +90,10 @@ impl Default for RenderOptions {
 #[derive(Clone, Debug)]
 pub struct Rendered {
     /// The picture; see [`Model`] for its channels. Absorption in bands of their own: the first four, the last one again where there
-    /// are fewer.
+    /// are fewer. Emission-absorption in such: the light of the first three, and 1 less the mean transmittance of these.
     pub image: Image,
-    /// All bands, in the absorption model where the scene has bands of their own.
+    /// All bands, where the scene has bands of their own: in the absorption model, and in emission-absorption (the light of each) where
+    /// they are more than three.
     pub bands: Option<BandImage>,
     /// What became of the cells.
     pub cells: CellStats,

@@ -5,6 +5,20 @@ use std::str::FromStr;
 use bytesize::ByteSize;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
+/// What becomes of cells with more than four corners.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Cells {
+    /// They stay as they are.
+    Whole,
+    /// They are cut.
+    Tetrahedra,
+}
+
+impl Cells {
+    /// Both, as the command line calls them.
+    pub(super) const NAMED: [(&str, Self); 2] = [("whole", Self::Whole), ("tetrahedra", Self::Tetrahedra)];
+}
+
 /// `N` numbers with commas between them.
 fn numbers<const N: usize>(text: &str, expected: &str) -> Result<[f64; N], String> {
     let parsed: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();

@@ -5,13 +5,13 @@ use std::sync::Mutex;
 use std::time::Instant;
 
 use cellfan::Error;
-use cellfan::columns::TetSource;
+use cellfan::columns::CellSource;
 use cellfan::io::container::{self, Phase, WriteOptions, Written};
-use cellfan::io::{Scratch, check_target, open_mesh_in};
+use cellfan::io::{Scratch, WholeCells, check_target, open_mesh_in};
 use clap::Args;
 
 use super::Outcome;
-use super::arguments::bytes as memory;
+use super::arguments::{Cells, bytes as memory, one_of};
 use super::numbers::{bytes, count};
 use super::progress::Progress;
 
@@ -24,10 +24,15 @@ pub(super) struct Arguments {
     #[arg(value_name = "OUT.cells")]
     output: PathBuf,
     /// Memory for cells, arrays and sorting, 800M or 2Gi; what does not fit goes through temporary files in the output's
-    /// folder. Points take 40 bytes each beside it [default: 1Gi].
+    /// folder. Points take 40 bytes each beside it, for a moment 76 where there are other cells than tetrahedra
+    /// [default: 1Gi].
     #[arg(long, value_name = "BYTES", value_parser = memory, allow_hyphen_values = true)]
     memory: Option<u64>,
-    /// Also write which cells share a face, 16 bytes a cell: an order by neighbours then need not find it.
+    /// Keep hexahedra, wedges, pyramids and voxels whole, structured blocks without a list of corners; or cut all into
+    /// tetrahedra, as some methods of render would whenever they read the file.
+    #[arg(long, value_name = "CELLS", default_value = "whole", value_parser = one_of(Cells::NAMED))]
+    cells: Cells,
+    /// Also write which cells share a face, 16 bytes a cell: an order by neighbours then need not find it. For tetrahedra.
     #[arg(long)]
     adjacency: bool,
 }
@@ -35,6 +40,7 @@ pub(super) struct Arguments {
 const EXAMPLES: &str = "\
 Examples:
   cellfan convert mesh.vtu mesh.cells
+  cellfan convert --cells tetrahedra --adjacency grid.vts tetrahedra.cells
   cellfan convert --memory 500M huge.vtu huge.cells";
 
 pub(super) fn run(arguments: &Arguments) -> Outcome {
@@ -49,12 +55,26 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
     // One half holds columns all the time, the other sorts.
     let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let scratch = Scratch::in_folder(folder, memory_bytes / 2);
+    let options = WriteOptions { memory_bytes: memory_bytes / 2, adjacency: arguments.adjacency };
     let mesh = {
         let _progress = Progress::running(format!("reading {}", path.display()));
-        open_mesh_in(path, &scratch)?.into_tets_in(&scratch).map_err(|error| error.in_file(path))?
+        open_mesh_in(path, &scratch)?
     };
-    let options = WriteOptions { memory_bytes: memory_bytes / 2, adjacency: arguments.adjacency };
-    write(&mesh, output, &options).map_err(|error| error.in_file(path))?;
+    let in_file = |error: Error| error.in_file(path);
+    if arguments.cells == Cells::Tetrahedra {
+        let tets = {
+            let _progress = Progress::running("cutting cells");
+            mesh.into_tets_in(&scratch).map_err(in_file)?
+        };
+        write(&tets, output, &options).map_err(in_file)?;
+        return Ok(());
+    }
+    match mesh.into_whole_in(&scratch).map_err(in_file)? {
+        WholeCells::Listed(cells) => write(&cells, output, &options).map_err(in_file)?,
+        WholeCells::Structured(cells) => {
+            told(output, |tell| container::write_structured(cells, output, &options, tell)).map_err(in_file)?
+        }
+    };
     Ok(())
 }
 
@@ -72,7 +92,15 @@ pub(super) fn is_container_name(path: &Path) -> bool {
 }
 
 /// Writes a container with a bar for each phase, and says what was written.
-pub(super) fn write(source: &dyn TetSource, output: &Path, options: &WriteOptions) -> cellfan::Result<Written> {
+pub(super) fn write(source: &dyn CellSource, output: &Path, options: &WriteOptions) -> cellfan::Result<Written> {
+    told(output, |tell| container::write(source, output, options, tell))
+}
+
+/// Has a container written with a bar for each phase, and says what was written.
+fn told(
+    output: &Path,
+    write: impl FnOnce(&(dyn Fn(Phase, u64, u64) + Sync)) -> cellfan::Result<Written>,
+) -> cellfan::Result<Written> {
     let start = Instant::now();
     let bar: Mutex<Option<(Phase, Progress)>> = Mutex::new(None);
     let tell = |phase: Phase, done: u64, of: u64| {
@@ -85,7 +113,7 @@ pub(super) fn write(source: &dyn TetSource, output: &Path, options: &WriteOption
             progress.reach(done);
         }
     };
-    let written = container::write(source, output, options, &tell);
+    let written = write(&tell);
     drop(bar);
     let written = written?;
     let rate = written.cells as f64 / start.elapsed().as_secs_f64() / 1e6;

@@ -7,10 +7,11 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use cellfan::columns::{Array, ArrayRanges, CellCounts, Points, ValueRanges};
+use cellfan::columns::{self, Array, ArrayRanges, CellCounts, Points, ValueRanges};
 use cellfan::io::{Mesh, StructuredBlock, container, formats, open_mesh};
 use cellfan::{Dataset, Error};
 use clap::Args;
+use kinds::KindCount;
 use rayon::prelude::*;
 use report::{ArrayReport, Drawn, Range, Report};
 
@@ -50,7 +51,8 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
     let report = {
         let _progress = Progress::running(format!("reading {}", path.display()));
         if is_container {
-            report_container(path, &container::open(path, !arguments.no_mmap)?)
+            let kinds = container::cells_by_kind(path, !arguments.no_mmap)?.into_iter().map(kinds::of_kind).collect();
+            report_container(path, &container::open(path, !arguments.no_mmap)?, kinds)
         } else {
             let mesh = open_mesh(path)?;
             report(path, mesh).map_err(|error| error.in_file(path))?
@@ -91,7 +93,7 @@ fn report(path: &Path, mesh: Mesh) -> cellfan::Result<Report> {
 }
 
 /// What a container says of itself, without reading its columns through.
-fn report_container(path: &Path, dataset: &Dataset) -> Report {
+fn report_container(path: &Path, dataset: &Dataset, kinds: Vec<KindCount>) -> Report {
     let array = |(array, ranges): (&Array, &ArrayRanges)| {
         let of = |scalar: &ValueRanges| {
             let (low, high) = scalar.range;
@@ -111,14 +113,14 @@ fn report_container(path: &Path, dataset: &Dataset) -> Report {
     };
     let bounds = dataset.bounds;
     let corner = |p: glam::Vec3| (dataset.origin + p.as_dvec3()).to_array();
-    let cells = dataset.tets.len() as u64;
+    let dims = |block: &columns::StructuredBlock| block.dims.map(|points| points as usize);
     Report {
         file: path.display().to_string(),
         format: "cellfan container",
         points: dataset.positions.len() as u64,
-        cells,
-        kinds: vec![kinds::tetrahedra(cells)],
-        dims: Vec::new(),
+        cells: dataset.cells() as u64,
+        kinds,
+        dims: dataset.hexahedra.structured_blocks().iter().map(dims).collect(),
         bounds: Some([corner(bounds.min), corner(bounds.max)]),
         arrays: dataset.arrays.iter().zip(&dataset.array_ranges).map(array).collect(),
         counts: dataset.counts,
@@ -127,9 +129,10 @@ fn report_container(path: &Path, dataset: &Dataset) -> Report {
 }
 
 fn drawn(dataset: &Dataset) -> Drawn {
-    let (vertices, cells) = (dataset.positions.len() as u64, dataset.tets.len() as u64);
+    let hexahedra = (dataset.hexahedra.len() - dataset.hexahedra.absent()) as u64;
+    let (tetrahedra, vertices) = (dataset.tets.len() as u64, dataset.positions.len() as u64);
     let (blocks, memory_bytes) = (dataset.blocks.len() as u64, dataset.owned_bytes());
-    Drawn { tetrahedra: cells, vertices, blocks, memory_bytes }
+    Drawn { tetrahedra, hexahedra, vertices, blocks, memory_bytes }
 }
 
 fn array_report(array: &Array) -> ArrayReport {

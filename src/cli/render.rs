@@ -27,7 +27,6 @@ use cellfan::{
 };
 
 pub(super) use arguments::Arguments;
-use arguments::Cells;
 use backend::Backend;
 use bands::BandSource;
 use memory::Memory;
@@ -36,6 +35,7 @@ use summary::Summary;
 use transfer::TransferSource;
 use view::ViewSource;
 
+use super::arguments::Cells;
 use super::progress::Progress;
 use super::{Outcome, stdout};
 
@@ -65,8 +65,11 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         None => array::choose(&dataset, arguments.array.as_deref()).map_err(|error| error.in_file(path))?,
     };
     let (transfer, note) = match band_note {
-        // Bands that do not glow have no use for colours.
+        // Bands that do not glow have no use for colours; arrays glow white where nothing else is said.
         Some(note) if options.model == Model::Absorption => (TransferFunction::constant([1.0; 3], 0.0)?, note),
+        Some(note) if bands.are_arrays() && arguments.transfer.is_none() => {
+            (TransferFunction::constant([1.0; 3], 0.0)?, format!("white, {note}"))
+        }
         note => {
             let (transfer, transfer_note) = transfer.make(&dataset, &field, options.model)?;
             let bands = note.map(|bands| format!(", {bands}")).unwrap_or_default();
@@ -169,7 +172,12 @@ fn read(path: &Path, use_map: bool, is_whole: bool, profile: &mut Profile) -> ce
     if path.is_file() && container::is_container(path)? {
         let dataset = container::open(path, use_map)?;
         profile.add("read", start.elapsed(), if use_map { 0 } else { path.metadata().map_or(0, |file| file.len()) });
-        return Ok(dataset);
+        if is_whole || dataset.hexahedra.is_empty() {
+            return Ok(dataset);
+        }
+        let tetrahedra = profile.time("order", || dataset.into_tetrahedra()).map_err(|error| error.in_file(path));
+        profile.sample_memory();
+        return tetrahedra;
     }
     let mesh = io::open_mesh(path)?;
     let bytes = path.metadata().map_or(0, |file| file.len());

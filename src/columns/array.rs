@@ -120,6 +120,14 @@ impl NumericColumn {
 }
 
 impl Array {
+    /// Appends the values of some tuples, little-endian.
+    ///
+    /// # Panics
+    /// If there is no such tuple.
+    pub fn append_tuples(&self, tuples: &[u32], bytes: &mut Vec<u8>) {
+        self.values.append_tuples(self.components, tuples, bytes);
+    }
+
     /// How many tuples there are.
     pub fn tuples(&self) -> usize {
         self.values.len() / self.components.max(1)

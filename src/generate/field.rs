@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::grid::Lattice;
-use crate::columns::{Array, ArrayHead, Association, CellCounts, NumericColumn, Points, TetMesh, TetSource};
+use crate::columns::{Array, ArrayHead, Association, CellCounts, CellSource, NumericColumn, Points, TetMesh};
 
 /// The point array and the cell array of every generated mesh.
 const ARRAYS: [(&str, Association); 2] = [("value", Association::Point), ("cell_value", Association::Cell)];
@@ -52,7 +52,7 @@ impl GridSource {
     }
 }
 
-impl TetSource for GridSource {
+impl CellSource for GridSource {
     fn points(&self) -> &Points {
         &self.points
     }

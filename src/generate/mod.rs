@@ -29,7 +29,7 @@ use std::str::FromStr;
 use field::GridSource;
 use grid::Lattice;
 
-use crate::columns::{TetMesh, TetSource};
+use crate::columns::{CellSource, TetMesh};
 use crate::error::{Error, Result};
 
 /// What can be generated.
@@ -119,7 +119,7 @@ pub fn generate(kind: Kind, settings: &Settings) -> Result<TetMesh> {
 ///
 /// # Errors
 /// As [`generate`].
-pub fn source(kind: Kind, settings: &Settings) -> Result<Box<dyn TetSource>> {
+pub fn source(kind: Kind, settings: &Settings) -> Result<Box<dyn CellSource>> {
     let field: field::Field = match kind {
         Kind::Tets => Box::new(marschner_lobb),
         Kind::Buckyball => buckyball::field(),

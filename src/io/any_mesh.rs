@@ -1,7 +1,7 @@
-//! `Mesh`: what a file holds, whichever kind of grid it is.
+//! `Mesh`: what a file holds, whichever kind of grid it is; `WholeCells`: what of it is drawn, no cell cut.
 
 use super::{Scratch, StructuredMesh, UnstructuredMesh};
-use crate::columns::{Array, Association, Dataset, Points, TetMesh};
+use crate::columns::{Array, Association, CellMesh, Dataset, Points, StructuredCells, TetMesh};
 use crate::error::Result;
 
 /// A mesh in file order.
@@ -82,14 +82,44 @@ impl Mesh {
         Dataset::from_tets(self.into_tets()?)
     }
 
+    /// Checks the mesh and leaves out what is not drawn; what is listed of the others goes where `scratch` says.
+    ///
+    /// # Errors
+    /// Those of [`UnstructuredMesh::into_cells_in`] and [`StructuredMesh::into_whole_in`].
+    pub fn into_whole_in(self, scratch: &Scratch) -> Result<WholeCells> {
+        match self {
+            Self::Unstructured(mesh) => mesh.into_cells_in(scratch).map(WholeCells::Listed),
+            Self::Structured(mesh) => mesh.into_whole_in(scratch),
+        }
+    }
+
     /// As [`Mesh::into_dataset`], cells whole.
     ///
     /// # Errors
-    /// Those of [`UnstructuredMesh::into_whole_dataset`] and [`StructuredMesh::into_whole_dataset`].
+    /// Those of [`Mesh::into_whole_in`] and [`WholeCells::into_dataset`].
     pub fn into_whole_dataset(self) -> Result<Dataset> {
+        self.into_whole_in(&Scratch::memory())?.into_dataset()
+    }
+}
+
+/// The cells of a mesh that have a volume, none of them cut.
+#[derive(Clone, Debug)]
+pub enum WholeCells {
+    /// Cells that name their points.
+    Listed(CellMesh),
+    /// Cells that the order of the points implies.
+    Structured(StructuredCells),
+}
+
+impl WholeCells {
+    /// Brings the cells into the order in which they are drawn.
+    ///
+    /// # Errors
+    /// Those of [`Dataset::from_cells`] and [`Dataset::from_structured`].
+    pub fn into_dataset(self) -> Result<Dataset> {
         match self {
-            Self::Unstructured(mesh) => mesh.into_whole_dataset(),
-            Self::Structured(mesh) => mesh.into_whole_dataset(),
+            Self::Listed(mesh) => Dataset::from_cells(mesh),
+            Self::Structured(mesh) => Dataset::from_structured(mesh),
         }
     }
 }

@@ -53,28 +53,29 @@ impl UnstructuredMesh {
     /// # Errors
     /// Those of [`UnstructuredMesh::into_tets`].
     pub fn into_cells(self) -> Result<CellMesh> {
-        let (mut tets, mut file_from_tet) = (Vec::new(), Vec::new());
-        let (mut hexahedra, mut file_from_hexahedron) = (Vec::new(), Vec::new());
+        self.into_cells_in(&Scratch::memory())
+    }
+
+    /// As [`UnstructuredMesh::into_cells`], the cells where `scratch` says.
+    ///
+    /// # Errors
+    /// Those of [`UnstructuredMesh::into_tets_in`].
+    pub fn into_cells_in(self, scratch: &Scratch) -> Result<CellMesh> {
+        let (mut tets, mut file_from_tet) = (scratch.column(), scratch.column());
+        let (mut hexahedra, mut file_from_hexahedron) = (scratch.column(), scratch.column());
         let counts = self.for_each_volume(|cell, kind, corners| {
             if let Some(tet) = tet_of(kind, corners) {
-                tets.push(tet);
-                file_from_tet.push(cell);
-            } else if let Some(hexahedron) = cells::hexahedron_of(kind) {
-                hexahedra.push(hexahedron.map(|corner| corners[corner]));
-                file_from_hexahedron.push(cell);
+                tets.push(tet)?;
+                return file_from_tet.push(cell);
             }
-            Ok(())
+            let Some(hexahedron) = cells::hexahedron_of(kind) else { return Ok(()) };
+            hexahedra.push(hexahedron.map(|corner| corners[corner]))?;
+            file_from_hexahedron.push(cell)
         })?;
+        let (tets, file_from_tet) = (tets.finish()?, file_from_tet.finish()?);
+        let (hexahedra, file_from_hexahedron) = (hexahedra.finish()?, file_from_hexahedron.finish()?);
         let Self { points, arrays, .. } = self;
-        Ok(CellMesh {
-            points,
-            tets: tets.into(),
-            file_from_tet: file_from_tet.into(),
-            hexahedra: hexahedra.into(),
-            file_from_hexahedron: file_from_hexahedron.into(),
-            arrays,
-            counts,
-        })
+        Ok(CellMesh { points, tets, file_from_tet, hexahedra, file_from_hexahedron, arrays, counts })
     }
 
     /// Checks the mesh, counts its cells, and hands those that are drawn to `take`: number, kind and nodes, corners first.

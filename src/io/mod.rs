@@ -32,7 +32,7 @@ use std::io::Read;
 use std::path::Path;
 
 pub use crate::atomic::check_target;
-pub use any_mesh::Mesh;
+pub use any_mesh::{Mesh, WholeCells};
 pub use mesh::UnstructuredMesh;
 pub use plot3d::read_plot3d;
 pub use pvtu::read_pvtu;
@@ -50,7 +50,7 @@ use crate::error::{Error, Result};
 /// Most arrays that the points or the cells of a piece may have: their names are compared with each other.
 const MOST_ARRAYS: usize = 4096;
 
-/// Reads a file of any format in [`formats::READ`] and makes it ready to draw.
+/// Reads a file of any format in [`formats::READ`], or a container, and makes it ready to draw as tetrahedra.
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Unsupported`] where the format or what the file holds is not read; [`Error::Malformed`] and
@@ -65,13 +65,14 @@ pub fn open(path: &Path) -> Result<Dataset> {
     open_with(path, true)
 }
 
-/// As [`open`]; a container is mapped (`use_map`) or read whole. Other formats are always read whole.
+/// As [`open`]; a container is mapped (`use_map`) or read whole. Other formats are always read whole. Cells with more than four
+/// corners are cut into tetrahedra: [`container::open`] and [`Mesh::into_whole_dataset`] leave them as they are.
 ///
 /// # Errors
 /// Those of [`open`].
 pub fn open_with(path: &Path, use_map: bool) -> Result<Dataset> {
     if path.is_file() && container::is_container(path)? {
-        return container::open(path, use_map);
+        return container::open(path, use_map)?.into_tetrahedra().map_err(|error| error.in_file(path));
     }
     open_mesh(path)?.into_dataset().map_err(|error| error.in_file(path))
 }

@@ -82,10 +82,12 @@ impl BandTable {
         of_columns(self.points(), self.names().len(), offset, BANDS_PER_PASS)
     }
 
-    /// The bands over s = value - offset, two a pass; band k glows with colour channel k of `transfer`, bands beyond it do not.
-    pub fn glowing_passes(&self, transfer: &TransferFunction, offset: f64) -> BandPasses {
+    /// The bands over s = value - offset, two a pass. The first glows with colour channel `channel` of `transfer`, the next ones with
+    /// those that follow, and bands beyond blue with 1.
+    pub fn glowing_passes(&self, transfer: &TransferFunction, channel: usize, offset: f64) -> BandPasses {
         let bands = self.names().len();
-        let color = |channels: [f64; 3]| (0..bands).map(move |k| channels.get(k).copied().unwrap_or(0.0));
+        let color =
+            |channels: [f64; 3]| (channel..channel + bands).map(move |k| channels.get(k).copied().unwrap_or(1.0));
         let colors: Vec<BandPoint> = transfer
             .points()
             .iter()

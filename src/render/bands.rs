@@ -1,7 +1,7 @@
 //! Bands with extinctions of their own: passes of one view, gathered into one picture.
 //!
-//! In: a frame without bands, the scene's bands. Out: four optical depths (or intensities) a pass in a [`BandImage`]; or three
-//! channels of light, two a pass, in an [`Image`].
+//! In: a frame without bands, the scene's bands. Out: four optical depths (or intensities) a pass, or two bands of light, in a
+//! [`BandImage`]; the light of the first three as red, green and blue of an [`Image`].
 
 use super::scene::{BandArray, SceneBands};
 use super::{Drawn, Renderer, Scene};
@@ -9,34 +9,33 @@ use crate::backends::{Counts, Frame};
 use crate::error::{Error, Result};
 use crate::image::{BandImage, Image};
 use crate::optics::band_pieces::{BANDS_PER_PASS, GLOWING_BANDS_PER_PASS};
-use crate::optics::{BandPasses, Integral, Model};
+use crate::optics::{BandPasses, BandTable, Integral, Model};
 use crate::profile::Profile;
 
-/// Bands of emission-absorption: red, green, blue.
+/// Bands of light that are channels of a picture: red, green, blue.
 const CHANNELS: usize = 3;
 
 impl Renderer {
     /// Whether the model can be drawn with the scene's bands.
     pub(super) fn check_bands(&self, scene: &Scene) -> Result<()> {
         let Some(bands) = &scene.bands else { return Ok(()) };
-        let problem = match (self.options.model, bands) {
-            (Model::Absorption, _) => return Ok(()),
-            (Model::EmissionAbsorption, SceneBands::Arrays(_)) => {
-                "emission-absorption takes its bands from a table over the scalar that gives the colours".to_owned()
+        let count = bands.count();
+        let problem = match self.options.model {
+            Model::Absorption => return Ok(()),
+            Model::EmissionAbsorption if count < CHANNELS => {
+                format!(
+                    "emission-absorption takes {CHANNELS} bands or more, red, green and blue first; there are {count}"
+                )
             }
-            (Model::EmissionAbsorption, SceneBands::Table(table)) if table.names().len() != CHANNELS => {
-                let bands = table.names().len();
-                format!("emission-absorption takes {CHANNELS} bands, for red, green and blue; there are {bands}")
-            }
-            (Model::EmissionAbsorption, _) if self.options.integral != Integral::Exact => {
+            Model::EmissionAbsorption if self.options.integral != Integral::Exact => {
                 format!("--integral {} knows no bands; leave it out", self.options.integral)
             }
-            (Model::EmissionAbsorption, _) => {
+            Model::EmissionAbsorption => {
                 #[cfg(feature = "gpu")]
                 self.check_blends_by_channel()?;
                 return Ok(());
             }
-            (model @ (Model::Emission | Model::Mip), _) => {
+            model @ (Model::Emission | Model::Mip) => {
                 format!("{model} has no bands; choose absorption or emission-absorption")
             }
         };
@@ -51,81 +50,52 @@ impl Renderer {
         frame: &Frame,
         profile: &mut Profile,
     ) -> Result<Drawn> {
-        if let (Model::EmissionAbsorption, SceneBands::Table(table)) = (self.options.model, bands) {
-            let passes = table.glowing_passes(&scene.transfer, scene.field.offset);
-            let (image, counts) = self.draw_light(&passes, frame, profile)?;
-            return Ok((image, None, counts));
-        }
-        let [width, height] = frame.view.size_px;
-        let names = scene.band_names();
-        let pixels = u64::from(width) * u64::from(height);
-        let bytes = scene.band_bytes() + pixels * (names.len() as u64 * 4 + 16);
-        let image = BandImage::filled(width, height, names, 0.0);
-        let mut gathered = Gathered { image, bands: 0, counts: Counts::default(), bytes };
+        let glows = self.options.model == Model::EmissionAbsorption;
+        let passes_of = |table: &BandTable, first: usize, offset: f64| {
+            if glows { table.glowing_passes(&scene.transfer, first, offset) } else { table.passes(offset) }
+        };
+        let mut gathered = Gathered::new(scene, glows, frame.view.size_px);
         match bands {
             SceneBands::Table(table) => {
-                self.draw_depths(&table.passes(scene.field.offset), frame, &mut gathered, profile)?;
+                self.draw_passes(&passes_of(table, 0, scene.field.offset), frame, &mut gathered, profile)?;
             }
             SceneBands::Arrays(arrays) => {
-                for BandArray { field, vertices, passes } in arrays {
+                for (band, BandArray { field, vertices, table }) in arrays.iter().enumerate() {
+                    let passes = passes_of(table, band, field.offset);
                     let vertices = vertices.as_deref().unwrap_or(frame.vertices);
-                    self.draw_depths(passes, &Frame { field, vertices, ..*frame }, &mut gathered, profile)?;
+                    self.draw_passes(&passes, &Frame { field, vertices, ..*frame }, &mut gathered, profile)?;
                 }
             }
         }
-        Ok((first_four(&gathered.image), Some(gathered.image), gathered.counts))
+        Ok(gathered.finish())
     }
 
-    /// Draws depths or intensities, pass by pass.
-    fn draw_depths(
+    /// Draws bands, pass by pass.
+    fn draw_passes(
         &mut self,
         BandPasses { bands, passes, cull_table }: &BandPasses,
         frame: &Frame,
         gathered: &mut Gathered,
         profile: &mut Profile,
     ) -> Result<()> {
-        let of_bands = gathered.bytes;
+        let (of_bands, per_pass) = (gathered.bytes, gathered.per_pass());
         let budget = frame.memory_bytes;
         let memory_bytes = budget.map(|bytes| bytes.saturating_sub(of_bands));
-        for (pass, first) in passes.iter().zip((0..*bands).step_by(BANDS_PER_PASS)) {
+        for (pass, first) in passes.iter().zip((0..*bands).step_by(per_pass)) {
             let frame = Frame { bands: Some(pass), cull_table, memory_bytes, ..*frame };
             let (image, counts) = self.draw(&frame, profile).map_err(|error| with_bands(error, budget, of_bands))?;
-            gathered.add(&image, BANDS_PER_PASS.min(bands - first), counts);
+            gathered.add(&image, per_pass.min(bands - first), counts);
         }
         Ok(())
-    }
-
-    /// Draws the light of red, green and blue, two channels a pass; opacity is the mean of theirs.
-    fn draw_light(
-        &mut self,
-        BandPasses { passes, cull_table, .. }: &BandPasses,
-        frame: &Frame,
-        profile: &mut Profile,
-    ) -> Result<(Image, Counts)> {
-        let [width, height] = frame.view.size_px;
-        let of_image = 16 * u64::from(width) * u64::from(height);
-        let budget = frame.memory_bytes;
-        let memory_bytes = budget.map(|bytes| bytes.saturating_sub(of_image));
-        let mut whole = Image::filled(width, height, [0.0; 4]);
-        let mut counts = Counts::default();
-        for (pass, first) in passes.iter().zip((0..CHANNELS).step_by(GLOWING_BANDS_PER_PASS)) {
-            let frame = Frame { bands: Some(pass), cull_table, memory_bytes, ..*frame };
-            let (image, of_pass) = self.draw(&frame, profile).map_err(|error| with_bands(error, budget, of_image))?;
-            for (pixel, light) in whole.pixels.iter_mut().zip(&image.pixels) {
-                let (light, opacity) = light.split_at(GLOWING_BANDS_PER_PASS);
-                let channels = GLOWING_BANDS_PER_PASS.min(CHANNELS - first);
-                pixel[first..first + channels].copy_from_slice(&light[..channels]);
-                pixel[3] += opacity[..channels].iter().sum::<f32>() / CHANNELS as f32;
-            }
-            counts = busier(counts, of_pass);
-        }
-        Ok((whole, counts))
     }
 }
 
 /// What the passes so far have drawn.
 struct Gathered {
-    image: BandImage,
+    /// All bands.
+    layers: BandImage,
+    /// The first three bands of light; opacity is the mean of theirs.
+    light: Option<Image>,
     /// Bands that are there.
     bands: usize,
     counts: Counts,
@@ -134,14 +104,45 @@ struct Gathered {
 }
 
 impl Gathered {
+    fn new(scene: &Scene, glows: bool, [width, height]: [u32; 2]) -> Self {
+        let light = glows.then(|| Image::filled(width, height, [0.0; 4]));
+        let layers = BandImage::filled(width, height, scene.band_names(), 0.0);
+        let per_pixel = layers.names.len() as u64 * 4 + 16;
+        let bytes = scene.band_bytes() + u64::from(width) * u64::from(height) * per_pixel;
+        Self { layers, light, bands: 0, counts: Counts::default(), bytes }
+    }
+
+    /// Bands that a pass draws.
+    fn per_pass(&self) -> usize {
+        if self.light.is_some() { GLOWING_BANDS_PER_PASS } else { BANDS_PER_PASS }
+    }
+
     /// Adds a pass of so many bands.
     fn add(&mut self, pass: &Image, bands: usize, counts: Counts) {
-        let (first, all) = (self.bands, self.image.names.len());
-        for (pixel, of_pass) in self.image.values.chunks_exact_mut(all).zip(&pass.pixels) {
+        let first = self.bands;
+        let all = self.layers.names.len();
+        for (pixel, of_pass) in self.layers.values.chunks_exact_mut(all).zip(&pass.pixels) {
             pixel[first..first + bands].copy_from_slice(&of_pass[..bands]);
+        }
+        if let Some(light) = &mut self.light {
+            let channels = bands.min(CHANNELS.saturating_sub(first));
+            for (pixel, of_pass) in light.pixels.iter_mut().zip(&pass.pixels) {
+                let (of_light, opacity) = of_pass.split_at(GLOWING_BANDS_PER_PASS);
+                pixel[3] += opacity[..channels].iter().sum::<f32>() / CHANNELS as f32;
+                pixel.iter_mut().skip(first).zip(&of_light[..channels]).for_each(|(channel, light)| *channel = *light);
+            }
         }
         self.bands += bands;
         self.counts = busier(self.counts, counts);
+    }
+
+    /// The picture, all bands where it does not hold them, and what was counted.
+    fn finish(self) -> Drawn {
+        let Self { layers, light, counts, .. } = self;
+        match light {
+            None => (first_four(&layers), Some(layers), counts),
+            Some(light) => (light, Some(layers).filter(|layers| layers.names.len() > CHANNELS), counts),
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use crate::backends::scene_bytes;
 use crate::columns::{Association, Dataset, Field};
 use crate::error::{Error, Result};
-use crate::optics::{BandPasses, BandPoint, BandTable, Model, Pieces, TransferFunction};
+use crate::optics::{BandPoint, BandTable, Model, Pieces, TransferFunction};
 use crate::profile::Profile;
 use crate::stages::SceneVertex;
 use crate::stages::project::scene_vertices;
@@ -44,7 +44,17 @@ pub(super) struct BandArray {
     /// Where the array is point data; cell data goes with the scene's own.
     pub(super) vertices: Option<Vec<SceneVertex>>,
     /// Extinction is the value.
-    pub(super) passes: BandPasses,
+    pub(super) table: BandTable,
+}
+
+impl SceneBands {
+    /// How many bands there are.
+    pub(super) fn count(&self) -> usize {
+        match self {
+            Self::Table(table) => table.names().len(),
+            Self::Arrays(arrays) => arrays.len(),
+        }
+    }
 }
 
 impl Scene {
@@ -68,8 +78,9 @@ impl Scene {
     /// Gives wavelength bands extinctions of their own, as functions of the field's scalar.
     ///
     /// The absorption model then draws all of them, into [`Rendered::bands`](super::Rendered::bands), four at a time.
-    /// Emission-absorption takes three, for red, green and blue: each channel of the transfer function's colour is dimmed by its own
-    /// band, and opacity is 1 less the mean transmittance of the three.
+    /// Emission-absorption takes three or more. The first three are red, green and blue: each channel of the transfer function's colour
+    /// is dimmed by its own band, and opacity is 1 less the mean transmittance of the three. Where there are more, the light of all goes
+    /// into [`Rendered::bands`](super::Rendered::bands); those beyond blue have colour 1.
     ///
     /// ```
     /// use cellfan::optics::BandTable;
@@ -92,7 +103,8 @@ impl Scene {
     }
 
     /// Takes each band's extinction per world unit length from an array: constant in cells, or linear where it is point data. A
-    /// pass each; for the absorption model.
+    /// pass each. In emission-absorption bands have the colours that [`Scene::with_bands`] says, of the array's value: a transfer
+    /// function of colour 1 makes the light of a band its opacity.
     ///
     /// # Errors
     /// [`Error::Bands`] where there is none or two have one name, [`Error::UnusableArray`] where a value is negative.
@@ -101,7 +113,7 @@ impl Scene {
         BandTable::new(names, vec![BandPoint { value: 0.0, extinctions: vec![0.0; fields.len()] }])?;
         let of_field = |field: Field| {
             let vertices = (field.association == Association::Point).then(|| scene_vertices(&self.dataset, &field));
-            Ok(BandArray { passes: identity(&field)?, vertices, field })
+            Ok(BandArray { table: identity(&field)?, vertices, field })
         };
         let arrays = fields.into_iter().map(of_field).collect::<Result<_>>()?;
         Ok(Self { bands: Some(SceneBands::Arrays(arrays)), ..self })
@@ -147,9 +159,10 @@ impl Scene {
         arrays.iter().map(|array| of_array(array) as u64).sum()
     }
 
-    /// Bands that a picture has beside its four channels.
+    /// Bands that a picture is gathered from beside its four channels.
     pub(super) fn bands_of_picture(&self, model: Model) -> usize {
-        if model == Model::Absorption { self.band_names().len() } else { 0 }
+        let has_bands = matches!(model, Model::Absorption | Model::EmissionAbsorption);
+        self.bands.as_ref().filter(|_| has_bands).map_or(0, SceneBands::count)
     }
 
     /// Shows the field with another transfer function.
@@ -160,12 +173,12 @@ impl Scene {
 }
 
 /// Extinction that is the value itself.
-fn identity(field: &Field) -> Result<BandPasses> {
+fn identity(field: &Field) -> Result<BandTable> {
     let (low, high) = field.range;
     if low < 0.0 || high > f64::from(f32::MAX) {
         let problem = format!("its values run from {low} to {high}; an extinction must be 0 or more, and finite");
         return Err(Error::UnusableArray { name: field.name.clone(), problem });
     }
     let point = |value: f64| BandPoint { value, extinctions: vec![value] };
-    Ok(BandTable::new(vec![field.name.clone()], vec![point(0.0), point(high)])?.passes(field.offset))
+    BandTable::new(vec![field.name.clone()], vec![point(0.0), point(high)])
 }

@@ -73,18 +73,69 @@ fn arrays_three_channels_and_plain_depths() {
 }
 
 #[test]
+fn light_of_arrays_is_white_and_of_more_bands_in_layers() {
+    let place = Place::with_mesh();
+    place.render("-o out.exr --bands bands.csv").fails(1, &["bands.csv"]);
+    place.write("bands.csv", TABLE);
+    place.render("-o out.exr --bands bands.csv").succeeds();
+    let channels = exr(&place.path("out.exr"));
+    assert_eq!(channels.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["hard", "soft", "x", "y", "z"]);
+    let sum = |of: &str| channels.iter().find(|(name, _)| name == of).unwrap().1.iter().sum::<f32>();
+    // White both: the one of more extinction where the mesh is has more light.
+    assert!(sum("z") > sum("y") && sum("y") > 10.0, "{} {}", sum("y"), sum("z"));
+    place.render("-o out.png --bands bands.csv").succeeds();
+
+    // One cell, a bit more than one unit thick in the middle, of three extinctions.
+    place.write(
+        "cell.vtk",
+        "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n0 0 0 2 0 0 0 2 0 0 0 2\n\
+         CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\nCELL_DATA 1\nSCALARS a float\nLOOKUP_TABLE default\n0.5\n\
+         SCALARS b float\nLOOKUP_TABLE default\n2\nSCALARS c float\nLOOKUP_TABLE default\n0\n",
+    );
+    let ran = place.run("render cell.vtk --size 20x20 -o out.npy --bands array:a,b,c".split_whitespace()).succeeds();
+    assert!(ran.err.contains("white, bands a, b, c"), "{}", ran.err);
+    let (shape, pixels) = npy(&place.path("out.npy"));
+    assert_eq!(shape, [20, 20, 4]);
+    let mut covered = 0;
+    for pixel in pixels.chunks_exact(4).filter(|pixel| pixel[0] > 0.0) {
+        // White light is opacity: 1 - T, and T of b is that of a to the fourth.
+        let [a, b, c, alpha] = [pixel[0], pixel[1], pixel[2], pixel[3]];
+        assert!(((1.0 - a).powi(4) - (1.0 - b)).abs() < 1e-5 && c.to_bits() == 0, "{pixel:?}");
+        assert!((alpha - (a + b) / 3.0).abs() < 1e-6, "{pixel:?}");
+        covered += 1;
+    }
+    assert!(covered > 50, "{covered}");
+    place
+        .run("render cell.vtk --size 20x20 -o red.npy --bands array:a,b,c --transfer red.csv".split_whitespace())
+        .fails(1, &["red.csv"]);
+    place.write("red.csv", "0 1 0 0 1\n");
+    place
+        .run("render cell.vtk --size 20x20 -o red.npy --bands array:a,b,c --transfer red.csv".split_whitespace())
+        .succeeds();
+    let red = npy(&place.path("red.npy")).1;
+    let pairs = red.chunks_exact(4).zip(pixels.chunks_exact(4));
+    assert!(
+        pairs
+            .into_iter()
+            .all(|(red, white)| [red[0], 0.0, red[3]].map(f32::to_bits)
+                == [white[0], red[1], white[3]].map(f32::to_bits))
+    );
+}
+
+#[test]
 fn what_makes_no_sense_is_refused_before_anything_is_written() {
     let place = Place::with_mesh();
     place.write("bands.csv", TABLE);
     place.write("bad.csv", "0 1\n1 -1\n");
+    place.write("two.csv", "0 1 2\n");
     let before = place.names();
     for (arguments, parts) in [
         ("-o a.png --model absorption --output depth", &["--output: a PNG cannot show optical depths"][..]),
         ("-o a.npy --output depth", &["--output", "emission-absorption"]),
         ("-o a.npy --model absorption --output tau", &["intensity", "depth"]),
         ("-o a.npy --model mip --bands bands.csv", &["--bands: mip has no bands"]),
-        ("-o a.npy --bands bands.csv", &["takes 3 bands", "there are 5"]),
-        ("-o a.npy --bands array:value", &["from a table"]),
+        ("-o a.npy --bands two.csv", &["takes 3 bands or more", "there are 2"]),
+        ("-o a.npy --bands array:value", &["takes 3 bands or more", "there are 1"]),
         ("-o a.npy --model absorption --bands bad.csv", &["bad.csv: bands: line 2: extinction of \"band1\" is -1"]),
         ("-o a.npy --model absorption --bands none.csv", &["none.csv"]),
         ("-o a.npy --model absorption --bands value", &["there is no file \"value\"", "array:NAME"]),

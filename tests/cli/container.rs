@@ -4,6 +4,139 @@ use serde_json::json;
 
 use super::Place;
 
+/// A bent grid of 6 × 5 × 4 cells as a legacy file, structured or as a list of hexahedra, wedges, pyramids and tetrahedra.
+fn grid(structured: bool) -> String {
+    let index = |i: u32, j: u32, k: u32| i + 7 * (j + 6 * k);
+    let all = (0..5).flat_map(|k| (0..6).flat_map(move |j| (0..7).map(move |i| [i, j, k])));
+    let point = |[i, j, k]: [u32; 3]| {
+        let [x, y, z] = [i, j, k].map(f64::from);
+        format!("{} {} {}", x + 0.2 * (y + z).sin(), y + 0.1 * (x * z).sin(), z + 0.15 * (x + y).cos())
+    };
+    let points: Vec<String> = all.clone().map(point).collect();
+    let values: Vec<String> = all.clone().map(|[i, j, k]| (i * j + 3 * k).to_string()).collect();
+    let mut cells = Vec::new();
+    for [i, j, k] in all.filter(|&[i, j, k]| i < 6 && j < 5 && k < 4) {
+        let around = |k: u32| [index(i, j, k), index(i + 1, j, k), index(i + 1, j + 1, k), index(i, j + 1, k)];
+        let ([a, b, c, d], [e, f, g, h]) = (around(k), around(k + 1));
+        match (i + j + k) % 4 {
+            0 => cells.extend([(13, vec![a, c, b, e, g, f]), (13, vec![a, d, c, e, h, g])]),
+            1 => cells.extend([(14, vec![a, b, c, d, e]), (10, vec![e, g, f, b]), (10, vec![d, c, g, e])]),
+            _ => cells.push((12, vec![a, b, c, d, e, f, g, h])),
+        }
+    }
+    if structured {
+        cells = vec![(12, Vec::new()); 6 * 5 * 4];
+    }
+    let dataset = if structured { "STRUCTURED_GRID\nDIMENSIONS 7 6 5" } else { "UNSTRUCTURED_GRID" };
+    let count = cells.len();
+    let mut lines = vec![format!("# vtk DataFile Version 3.0\ngrid\nASCII\nDATASET {dataset}\nPOINTS 210 double")];
+    lines.extend(points);
+    if !structured {
+        let size: usize = cells.iter().map(|(_, corners)| corners.len() + 1).sum();
+        lines.push(format!("CELLS {count} {size}"));
+        for (_, corners) in &cells {
+            let numbers = std::iter::once(corners.len() as u32).chain(corners.iter().copied());
+            lines.push(numbers.map(|number| number.to_string()).collect::<Vec<_>>().join(" "));
+        }
+        lines.push(format!("CELL_TYPES {count}"));
+        lines.extend(cells.iter().map(|(code, _)| code.to_string()));
+    }
+    lines.push("POINT_DATA 210\nSCALARS value double 1\nLOOKUP_TABLE default".to_owned());
+    lines.extend(values);
+    lines.push(format!("CELL_DATA {count}\nSCALARS of_cell float 1\nLOOKUP_TABLE default"));
+    lines.extend((0..count).map(|i| (i * 37 % 101).to_string()));
+    // Every ninth cell is hidden.
+    lines.push("SCALARS vtkGhostType unsigned_char 1\nLOOKUP_TABLE default".to_owned());
+    lines.extend((0..count).map(|i| if i % 9 == 4 { "32".to_owned() } else { "0".to_owned() }));
+    lines.join("\n") + "\n"
+}
+
+#[test]
+fn whole_cells_make_the_same_picture_from_a_file_and_its_container() {
+    let place = Place::new();
+    for structured in [true, false] {
+        std::fs::write(place.path("grid.vtk"), grid(structured)).unwrap();
+        place.run(["convert", "grid.vtk", "grid.cells"]).succeeds();
+        place.run(["info", "grid.cells", "--check"]).succeeds();
+        let draw = |mesh: &str, how: &str| {
+            let arguments = format!("render {mesh} --backend cpu --size 61x50 -o out.npy --stats stats.json {how}");
+            place.run(arguments.split_whitespace()).succeeds();
+            let stats: serde_json::Value = serde_json::from_slice(&place.read("stats.json")).unwrap();
+            (place.read("out.npy"), stats["cells"].clone())
+        };
+        for what in [
+            "--array value",
+            "--array of_cell --view 70,-20",
+            "--array value --model mip",
+            "--array of_cell --model absorption",
+        ] {
+            let expected = draw("grid.vtk", what);
+            assert!(expected.0.windows(4).any(|four| four != [0; 4]), "blank");
+            for how in ["", "--threads 1", "--threads 3", "--no-mmap", "--memory 100M --threads 2"] {
+                assert!(
+                    draw("grid.cells", &format!("{what} {how}")) == expected,
+                    "structured {structured}: {what} {how}"
+                );
+            }
+        }
+        // What takes tetrahedra gets them.
+        for how in ["--cells tetrahedra", "--cpu-method fans", "--sort topological", "--check-order"] {
+            let what = format!("--array of_cell {how}");
+            let (expected, found) = (draw("grid.vtk", &what), draw("grid.cells", &what));
+            assert_eq!(found.1["drawn"], expected.1["drawn"], "{what}");
+            assert_eq!(found.1["total"], expected.1["total"], "{what}");
+            let values = |npy: &[u8]| npyz::NpyFile::new(npy).unwrap().into_vec::<f32>().unwrap();
+            let off = values(&found.0).iter().zip(values(&expected.0)).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+            assert!(off < 1e-4, "structured {structured}, {what}: {off}");
+        }
+    }
+}
+
+#[test]
+fn convert_cuts_cells_where_it_is_told() {
+    let place = Place::new();
+    std::fs::write(place.path("grid.vtk"), grid(false)).unwrap();
+    std::fs::write(place.path("blocks.vtk"), grid(true)).unwrap();
+    for (mesh, of_mixed) in [("grid.vtk", true), ("blocks.vtk", false)] {
+        place.run(["convert", mesh, "whole.cells"]).succeeds();
+        place.run(["convert", mesh, "tetrahedra.cells", "--cells", "tetrahedra", "--adjacency"]).succeeds();
+        let [file, whole, cut] =
+            [mesh, "whole.cells", "tetrahedra.cells"].map(|name| place.run(["info", name, "--json"]).json());
+        let names = |info: &serde_json::Value| {
+            let kinds = info["kinds"].as_array().unwrap();
+            kinds.iter().map(|kind| kind["name"].as_str().unwrap().to_owned()).collect::<Vec<_>>()
+        };
+        let (expected, dims): (&[&str], _) = if of_mixed {
+            (&["tetrahedron", "hexahedron", "wedge", "pyramid"], json!([]))
+        } else {
+            (&["hexahedron"], json!([[7, 6, 5]]))
+        };
+        assert_eq!(names(&whole), expected);
+        assert_eq!(
+            (names(&cut), &cut["drawn"]["tetrahedra"]),
+            (vec!["tetrahedron".to_owned()], &file["drawn"]["tetrahedra"])
+        );
+        assert_eq!((&whole["dims"], &whole["counts"]["ghost"]), (&dims, &file["counts"]["ghost"]));
+        assert_eq!(whole["counts"]["split"], json!(0));
+        let drawn = &whole["drawn"];
+        let drawn = drawn["tetrahedra"].as_u64().unwrap() + drawn["hexahedra"].as_u64().unwrap();
+        let skipped = whole["skipped"].as_u64().unwrap() + whole["counts"]["degenerate"].as_u64().unwrap();
+        assert_eq!(drawn + skipped, file["cells"].as_u64().unwrap());
+        for (name, memory) in [("large.cells", "1Gi"), ("small.cells", "1")] {
+            place.run(["convert", mesh, name, "--memory", memory]).succeeds();
+            assert!(place.read(name) == place.read("whole.cells"), "{mesh}, {memory}");
+        }
+        place.run(["convert", mesh, "no.cells", "--adjacency"]).fails(1, &["--adjacency", "--cells tetrahedra"]);
+        assert!(!place.names().contains(&"no.cells".to_owned()));
+    }
+    // Of tetrahedra both are the same file.
+    place.run(["generate", "tets", "--cells", "3000", "-o", "tets.vtu"]).succeeds();
+    place.run(["convert", "tets.vtu", "a.cells"]).succeeds();
+    place.run(["convert", "tets.vtu", "b.cells", "--cells", "tetrahedra"]).succeeds();
+    assert!(place.read("a.cells") == place.read("b.cells") && place.read("a.cells")[8] == 1, "version 1");
+    assert_eq!(place.read("whole.cells")[8], 2);
+}
+
 #[test]
 fn the_same_picture_from_a_file_and_its_container() {
     let place = Place::with_mesh();

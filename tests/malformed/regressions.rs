@@ -114,6 +114,21 @@ fn containers_are_short_and_harmless_in_what_they_say() {
     ran("container", container_with("\"value\"", "\"\\u001b[2J\""));
 }
 
+/// Every place of a container's floats in turn, in cells of every kind.
+#[test]
+fn corners_that_are_nowhere_are_not_drawn() {
+    let _alone = alone();
+    let word = |bytes: &[u8], at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap()) as usize;
+    for container in seeds::container().into_iter().skip(3) {
+        for at in (64..word(&container, 24).min(1500)).step_by(4) {
+            let mut bytes = container.clone();
+            bytes[at..at + 4].copy_from_slice(&f32::NAN.to_le_bytes());
+            targets::vouch(&mut bytes);
+            ran("container", bytes);
+        }
+    }
+}
+
 #[test]
 fn nothing_that_a_terminal_obeys_is_said() {
     let _alone = alone();

@@ -267,10 +267,11 @@ pub(crate) fn real() -> Seeds {
     seeds
 }
 
-/// Containers of generated meshes, with and without neighbours.
+/// Containers of generated meshes, with and without neighbours, and of whole cells, listed and structured.
 pub(crate) fn container() -> Seeds {
     use cellfan::generate::{Kind, Settings, generate};
-    use cellfan::io::container::{WriteOptions, write};
+    use cellfan::io::container::{WriteOptions, write, write_structured};
+    use cellfan::io::{Scratch, WholeCells, read_mesh};
     let path = pieces().join("seed.cells");
     let kinds = [(Kind::Tets, 40, false), (Kind::Delaunay, 100, true), (Kind::Orbital, 5000, false)];
     let one = |(kind, cells, adjacency)| {
@@ -278,5 +279,25 @@ pub(crate) fn container() -> Seeds {
         write(&mesh, &path, &WriteOptions { adjacency, ..WriteOptions::default() }, &|_, _, _| {}).unwrap();
         std::fs::read(&path).unwrap()
     };
-    kinds.map(one).to_vec()
+    let mut seeds = kinds.map(one).to_vec();
+    let grids = vts().into_iter().zip(std::iter::repeat("a.vts")).chain(std::iter::once((mixed_vtk(), "a.vtk")));
+    seeds.extend(grids.filter_map(|(file, name)| {
+        let written = match read_mesh(&file, Path::new(name)).ok()?.into_whole_in(&Scratch::memory()).ok()? {
+            WholeCells::Listed(cells) => write(&cells, &path, &WriteOptions::default(), &|_, _, _| {}),
+            WholeCells::Structured(cells) => write_structured(cells, &path, &WriteOptions::default(), &|_, _, _| {}),
+        };
+        written.ok().map(|_| std::fs::read(&path).unwrap())
+    }));
+    assert!(seeds.len() > kinds.len() + 1, "containers of whole cells are among them");
+    seeds
+}
+
+/// A hexahedron, a wedge on its right, a pyramid on top and a tetrahedron beside that.
+fn mixed_vtk() -> Vec<u8> {
+    b"# vtk DataFile Version 3.0\na title\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 12 float\n\
+      0 0 0 1 0 0 1 1 0.1 0 1 0 0 0 1 1 0.1 1 1 1 1 0 1 1 2 0 0 2 0 1 0.5 0.5 2 2 2 2\n\
+      CELLS 4 26\n8 0 1 2 3 4 5 6 7\n6 1 8 2 5 9 6\n5 4 5 6 7 10\n4 5 6 10 11\nCELL_TYPES 4\n12 13 14 10\n\
+      CELL_DATA 4\nSCALARS a float 1\nLOOKUP_TABLE default\n1 2 3 4\n\
+      POINT_DATA 12\nSCALARS b double 1\nLOOKUP_TABLE default\n0 1 2 3 4 5 6 7 8 9 10 11\n"
+        .to_vec()
 }

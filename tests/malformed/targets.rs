@@ -126,6 +126,9 @@ fn solution(bytes: &[u8]) -> Result<(), String> {
 fn check(dataset: &Dataset) {
     let points = dataset.positions.len();
     assert!(dataset.tets.iter().flatten().all(|vertex| (vertex as usize) < points), "an index beyond the points");
+    let hexahedra = dataset.hexahedra.view();
+    let of_hexahedra = (0..hexahedra.len()).flat_map(|cell| hexahedra.get(cell));
+    assert!(of_hexahedra.into_iter().all(|vertex| (vertex as usize) < points), "an index beyond the points");
     let finite = |position: &[f32; 3]| position.iter().all(|c| c.is_finite());
     assert!(dataset.positions.iter().all(finite), "a position that is not finite");
     assert!(dataset.bounds.diagonal_world().is_finite() && dataset.origin.is_finite(), "bounds that are not finite");
@@ -217,6 +220,12 @@ fn container(bytes: &[u8]) -> Result<(), String> {
     for array in &dataset.arrays {
         let field = dataset.field(&FieldSelection::parse(&array.name, &dataset.arrays));
         assert!(field.is_err() || field.is_ok_and(|field| !field.values.is_empty()));
+    }
+    // What is cut is checked on the way; a mesh of tetrahedra is handed through.
+    if !dataset.hexahedra.is_empty()
+        && let Ok(tetrahedra) = dataset.clone().into_tetrahedra()
+    {
+        check(&tetrahedra);
     }
     draw_dataset(dataset)
 }

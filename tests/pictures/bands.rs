@@ -5,8 +5,8 @@ use cellfan::generate::Scheme;
 use cellfan::image::BandImage;
 use cellfan::optics::{BandPoint, BandTable, Output};
 use cellfan::{
-    Camera, CpuMethod, Dataset, Field, FieldSelection, Integral, Model, Projection, RenderOptions, Renderer, Scene,
-    TransferFunction,
+    Camera, CpuMethod, Dataset, Field, FieldSelection, Integral, Model, Projection, RenderOptions, Rendered, Renderer,
+    Scene, TransferFunction,
 };
 use glam::DVec3;
 
@@ -254,6 +254,83 @@ fn each_channel_glows_and_is_dimmed_by_its_own_band() {
     }
 }
 
+/// The largest difference of the light of each band from the reference's: of the channel that the band has, or, beyond blue, of
+/// a white one, whose light is its opacity.
+fn worst_lights(rays: &[Rays], channels: &[TransferFunction], rendered: &Rendered) -> Vec<f64> {
+    let layers = rendered.bands.as_ref().unwrap();
+    let mut worst = vec![0.0_f64; channels.len() + 1];
+    let pixels = rays[0].pixels.iter().enumerate();
+    for (ray, &(x, y)) in pixels {
+        let mut opacity = 0.0;
+        for (band, channel) in channels.iter().enumerate() {
+            let light = shade(Model::EmissionAbsorption, channel, &rays[band].segments[ray]);
+            let found = f64::from(layers.pixel(x, y)[band]);
+            worst[band] = worst[band].max((found - light[band.min(3)]).abs());
+            if band < 3 {
+                assert_eq!(layers.pixel(x, y)[band].to_bits(), rendered.image.pixel(x, y)[band].to_bits());
+                opacity += light[3] / 3.0;
+            }
+        }
+        worst[channels.len()] = worst[channels.len()].max((f64::from(rendered.image.pixel(x, y)[3]) - opacity).abs());
+    }
+    worst
+}
+
+#[test]
+fn more_than_three_bands_glow_in_layers() {
+    let (transfer, table) = (smooth(), six_bands());
+    let channels: Vec<_> = (0..6).map(|band| with_band(&transfer, &table, band)).collect();
+    let case = Case::new(random_delaunay(10_000), "value");
+    let scene = case.scene(&transfer).with_bands(table);
+    for (view, camera) in three_views(100, 80) {
+        let rendered = Renderer::new(RenderOptions::default()).render(&scene, &camera).unwrap();
+        assert_eq!(rendered.bands.as_ref().unwrap().names, ["a", "b", "c", "d", "e", "f"]);
+        let rays: Vec<_> = (0..6).map(|_| case.random_rays(&camera, 3, 300)).collect();
+        let worst = worst_lights(&rays, &channels, &rendered);
+        let mut turned = channels.clone();
+        turned.rotate_left(1);
+        let swapped = worst_lights(&rays, &turned, &rendered);
+        println!("{view:9} {worst:?}, with the next band's extinction {swapped:?}");
+        assert!(worst.iter().all(|&worst| worst < 2e-3), "{view}: {worst:?}");
+        assert!(swapped[..6].iter().all(|&swapped| swapped > 0.05), "{view}: {swapped:?}");
+    }
+}
+
+/// Each array is drawn as a field of its own, in the colours that the transfer function gives its values.
+#[test]
+fn arrays_glow_and_dim() {
+    let (dataset, fields) = with_arrays();
+    let of_value = |value: f64| BandPoint { value, extinctions: vec![value] };
+    let identity = BandTable::new(vec!["value".to_owned()], vec![of_value(0.0), of_value(2000.0)]).unwrap();
+    let white = TransferFunction::constant([1.0; 3], 0.0).unwrap();
+    for transfer in [smooth(), white] {
+        let scene = Scene::new(dataset.clone(), fields[1].clone(), &transfer);
+        let scene = scene.with_band_arrays(fields.clone()).unwrap();
+        let channels = vec![with_band(&transfer, &identity, 0); 5];
+        for (view, camera) in three_views(100, 80) {
+            let rendered = Renderer::new(RenderOptions::default()).render(&scene, &camera).unwrap();
+            let of_field = |field: &Field| Case::of(dataset.clone(), field.clone()).random_rays(&camera, 3, 100);
+            let mut rays: Vec<_> = fields.iter().map(of_field).collect();
+            let worst = worst_lights(&rays, &channels, &rendered);
+            rays.rotate_left(1);
+            let swapped = worst_lights(&rays, &channels, &rendered);
+            println!("{view:9} {worst:?}, with the next array {swapped:?}");
+            assert!(worst.iter().all(|&worst| worst < 2e-3), "{view}: {worst:?}");
+            assert!(swapped[..5].iter().all(|&swapped| swapped > 0.05), "{view}: {swapped:?}");
+
+            // Three arrays are the picture's channels and nothing else; no budget changes them.
+            let three = Scene::new(dataset.clone(), fields[0].clone(), &transfer);
+            let three = three.with_band_arrays(fields[..3].to_vec()).unwrap();
+            let alone = Renderer::new(RenderOptions::default()).render(&three, &camera).unwrap();
+            assert!(alone.bands.is_none() && alone.image.pixels == rendered.image.pixels, "{view}");
+            let (needed, _) =
+                too_small(&three, &camera, RenderOptions { memory_bytes: Some(1), ..RenderOptions::default() });
+            let budget = RenderOptions { memory_bytes: Some(needed + (8 << 20)), ..RenderOptions::default() };
+            assert!(Renderer::new(budget).render(&three, &camera).unwrap().image.pixels == alone.image.pixels);
+        }
+    }
+}
+
 #[test]
 fn equal_bands_are_the_picture_without_bands() {
     let transfer = smooth();
@@ -357,16 +434,17 @@ fn what_a_model_cannot_do_with_bands_is_refused() {
     let camera = frame_unit_cube(30.0, 20.0, 16, 16);
     let error =
         |options: RenderOptions, scene: &Scene| Renderer::new(options).render(scene, &camera).unwrap_err().to_string();
-    let (six, three) = (case.scene(&smooth()).with_bands(six_bands()), case.scene(&smooth()).with_bands(three_bands()));
+    let two = case.scene(&smooth()).with_bands(BandTable::constant(vec![1.0, 2.0]).unwrap());
+    let three = case.scene(&smooth()).with_bands(three_bands());
     let plain = RenderOptions::default();
-    assert!(error(plain, &six).contains("takes 3 bands"));
+    assert!(error(plain, &two).contains("takes 3 bands or more"));
     assert!(error(RenderOptions { integral: Integral::Average, ..plain }, &three).contains("--integral average"));
     for model in [Model::Mip, Model::Emission] {
         assert!(error(RenderOptions { model, ..plain }, &three).contains("has no bands"));
         assert!(error(RenderOptions { model, ..DEPTH }, &case.scene(&smooth())).contains("--output"));
     }
     let arrays = case.scene(&smooth()).with_band_arrays(vec![case.dataset.homogeneous_field()]).unwrap();
-    assert!(error(plain, &arrays).contains("from a table"));
+    assert!(error(plain, &arrays).contains("there are 1"));
 }
 
 #[test]

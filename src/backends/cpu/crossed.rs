@@ -139,6 +139,10 @@ impl Crossed {
         self.most = 0;
         let corners = vertex.map(|v| vertices[v as usize]);
         let p = corners.map(|corner| DVec3::from_array(corner.position.map(f64::from)));
+        // A damaged container may have a corner nowhere.
+        if !p.iter().all(|corner| corner.is_finite()) {
+            return;
+        }
         let s = corners.map(|corner| f64::from(corner.scalar));
         let first_px = first_px.map(f64::from);
         let skin = Skin::new(view, first_px, (vertex, shape), p);

@@ -1,6 +1,6 @@
 //! Cells by kind, with the kinds' names.
 
-use cellfan::cells::{CellClass, Nodes, classify};
+use cellfan::cells::{CellClass, CellKind, Nodes, classify};
 use serde::Serialize;
 
 /// How many cells have a code.
@@ -23,9 +23,9 @@ pub(super) fn count(cells_by_code: &[u64; 256]) -> Vec<KindCount> {
         .collect()
 }
 
-/// Tetrahedra alone.
-pub(super) fn tetrahedra(count: u64) -> KindCount {
-    KindCount { name: name(10), code: 10, count }
+/// So many cells of a kind.
+pub(super) fn of_kind((kind, count): (&CellKind, u64)) -> KindCount {
+    KindCount { name: kind.name.to_owned(), code: kind.code, count }
 }
 
 fn name(code: u8) -> String {

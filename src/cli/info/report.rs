@@ -36,6 +36,8 @@ pub(super) struct ArrayReport {
 #[derive(Serialize)]
 pub(super) struct Drawn {
     pub(super) tetrahedra: u64,
+    /// Whole cells with more than four corners: a container keeps them, other files are reported as cut.
+    pub(super) hexahedra: u64,
     pub(super) vertices: u64,
     pub(super) blocks: u64,
     /// What the mesh and its arrays take in memory; next to nothing for a container that is mapped.
@@ -104,13 +106,13 @@ impl Display for Report {
             array.line(f, width)?;
         }
         match &self.drawn {
-            Ok(Drawn { tetrahedra, vertices, memory_bytes, .. }) => {
-                let (tetrahedra, vertices) = (grouped(*tetrahedra), grouped(*vertices));
-                writeln!(
-                    f,
-                    "drawn: {tetrahedra} tetrahedra of {vertices} vertices, {} in memory",
-                    bytes(*memory_bytes)
-                )?;
+            Ok(Drawn { tetrahedra, hexahedra, vertices, memory_bytes, .. }) => {
+                let kinds = [(*tetrahedra, "tetrahedra"), (*hexahedra, "whole cells of more corners")];
+                let cells = kinds.into_iter().filter(|(cells, _)| *cells > 0);
+                let cells =
+                    cells.map(|(cells, kind)| format!("{} {kind}", grouped(cells))).collect::<Vec<_>>().join(" and ");
+                let (vertices, memory) = (grouped(*vertices), bytes(*memory_bytes));
+                writeln!(f, "drawn: {cells} of {vertices} vertices, {memory} in memory")?;
             }
             Err(problem) => writeln!(f, "cannot be drawn: {problem}")?,
         }

@@ -7,7 +7,7 @@ use cellfan::stages::fans::Faces;
 use cellfan::{CpuMethod, Integral, Model, SortMethod};
 use clap::Args;
 
-use crate::cli::arguments::{bytes, color, finite, length, named, one_of, size, transmittance, view};
+use crate::cli::arguments::{Cells, bytes, color, finite, length, named, one_of, size, transmittance, view};
 
 /// What draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,7 +46,8 @@ pub(in crate::cli) struct Arguments {
     pub(super) model: Model,
     /// Extinctions of wavelength bands: a .csv table of rows `value k1 k2 … kn` over the array, a .json table, or array:NAME,NAME…,
     /// whose values are extinctions. Any number for absorption (.exr: a channel a band, .npy: height, width, bands; .png: the
-    /// first three), three for emission-absorption: red, green, blue [default: extinction times r, g, b, 1].
+    /// first three); three for emission-absorption, red, green, blue in the colours of --transfer, or more, whose light is
+    /// written in the same way. Arrays are white without --transfer [default: extinction times r, g, b, 1].
     #[arg(long, value_name = "BANDS", help_heading = "Picture")]
     pub(super) bands: Option<String>,
     /// What an absorption picture holds: transmitted intensity, or optical depth (not as .png).
@@ -100,7 +101,7 @@ pub(in crate::cli) struct Arguments {
     pub(super) cpu_method: CpuMethod,
     /// Draw hexahedra, wedges, pyramids and voxels whole, or cut into tetrahedra, which is another field inside a cell
     /// [default: whole].
-    #[arg(long, value_name = "CELLS", help_heading = "Method", value_parser = one_of([("whole", Cells::Whole), ("tetrahedra", Cells::Tetrahedra)]))]
+    #[arg(long, value_name = "CELLS", help_heading = "Method", value_parser = one_of(Cells::NAMED))]
     pub(super) cells: Option<Cells>,
     /// How fans, on a GPU or not, draw faces of four corners: by their two triangles in each pixel, or by the triangles of the papers,
     /// which are approximate where a face is warped. Footprints are exact.
@@ -139,15 +140,6 @@ Examples:
   cellfan render mesh.vtu -o turn.png --frames 36 --orbit 360 --background 0,0,0
   cellfan render mesh.vtu -o out.npy --model absorption --stats - | jq .frame_ms
   cellfan render mesh.vtu -o xray.exr --model absorption --bands bands.csv --output depth";
-
-/// How cells with more than four corners are drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Cells {
-    /// As they are.
-    Whole,
-    /// Cut.
-    Tetrahedra,
-}
 
 impl Arguments {
     /// Where the picture goes; by default the mesh's name with .png, in the current folder.

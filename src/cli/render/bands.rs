@@ -43,9 +43,6 @@ impl BandSource {
             if arguments.array.is_some() {
                 return refuse("the bands are arrays themselves; leave out --array".to_owned());
             }
-            if arguments.model != Model::Absorption {
-                return refuse(format!("{} takes its bands from a table over the scalar", arguments.model));
-            }
             return Ok(Self::Arrays(names.split(',').map(str::to_owned).collect()));
         }
         let path = PathBuf::from(text);
@@ -80,6 +77,11 @@ impl BandSource {
 }
 
 impl Bands {
+    /// Whether the bands are arrays, which have colours only where a transfer function is given.
+    pub(super) fn are_arrays(&self) -> bool {
+        matches!(self, Self::Arrays(_))
+    }
+
     /// The array of the first band, where bands are arrays: the field of the scene.
     pub(super) fn first_array(&self) -> Option<&Field> {
         match self {

@@ -1,5 +1,7 @@
 //! From structured blocks to a [`Dataset`]: points and cells keep their order, and no cell stores its corners.
 
+use std::ops::Range;
+
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -34,7 +36,7 @@ impl Dataset {
     /// volume.
     pub fn from_structured(mesh: StructuredCells) -> Result<Self> {
         let StructuredCells { dims, points, hidden, arrays, mut counts } = mesh;
-        let blocks = blocks_of(&dims, points.len(), hidden.len())?;
+        let blocks = StructuredBlock::sequence(dims, points.len(), hidden.len())?;
         check_arrays(points.len() as u64, &arrays, counts.in_file)?;
         let shapes: Vec<HexShape> = (0..hidden.len())
             .map(|cell| if hidden.get(cell) { HexShape::ABSENT } else { HexShape::default() })
@@ -92,32 +94,6 @@ impl Dataset {
     }
 }
 
-/// Where the points and cells of each block begin.
-fn blocks_of(dims: &[[usize; 3]], points: usize, cells: usize) -> Result<Vec<StructuredBlock>> {
-    let limit = u64::from(u32::MAX) - 1;
-    let (mut blocks, mut first_vertex, mut first_cell) = (Vec::with_capacity(dims.len()), 0_u64, 0_u64);
-    for &dims in dims {
-        let of_block = dims.iter().try_fold(1_u64, |product, &points| product.checked_mul(points as u64));
-        let end = of_block.and_then(|points| first_vertex.checked_add(points)).filter(|&end| end <= limit);
-        let Some(end) = end else { return Err(Error::TooLarge { column: "points", len: u64::MAX, limit }) };
-        if let Some(flat) = dims.into_iter().find(|&points| points < 2) {
-            let column = "points along a block's side".to_owned();
-            return Err(Error::LengthMismatch { column, len: flat as u64, expected: 2 });
-        }
-        let dims = dims.map(|points| points as u32);
-        let block = StructuredBlock { dims, first_vertex: first_vertex as u32, first_cell: first_cell as u32 };
-        first_cell += block.cells();
-        first_vertex = end;
-        blocks.push(block);
-    }
-    for (column, len, expected) in [("points", points, first_vertex), ("cells", cells, first_cell)] {
-        if len as u64 != expected {
-            return Err(Error::LengthMismatch { column: column.to_owned(), len: len as u64, expected });
-        }
-    }
-    Ok(blocks)
-}
-
 /// The shape of each cell that is not hidden.
 fn shapes_of(cells: &HexahedraView<'_>, positions: &[[f32; 3]], canonical: &[u32]) -> Vec<HexShape> {
     let shape = |cell: usize| {
@@ -133,13 +109,12 @@ fn shapes_of(cells: &HexahedraView<'_>, positions: &[[f32; 3]], canonical: &[u32
 
 /// Runs of cells with the boxes around those that are drawn.
 fn draw_blocks(cells: &HexahedraView<'_>, positions: &[[f32; 3]]) -> Vec<Block> {
-    let block = |start: usize| {
-        let run = start..(start + Dataset::BLOCK_CELLS).min(cells.len());
+    let block = |run: Range<usize>| {
         let corners = run.clone().filter(|&cell| !cells.shape(cell).is_absent()).flat_map(|cell| cells.get(cell));
         let bounds = corners.fold(Bounds::EMPTY, |b, v| b.include(Vec3::from_array(positions[v as usize])));
         Block { cells: run, bounds }
     };
-    (0..cells.len()).step_by(Dataset::BLOCK_CELLS).collect::<Vec<_>>().into_par_iter().map(block).collect()
+    Dataset::runs(0, cells.len()).collect::<Vec<_>>().into_par_iter().map(block).collect()
 }
 
 #[cfg(test)]

@@ -3,74 +3,33 @@
 //! Wedges and pyramids are hexahedra some of whose corners coincide. What no view changes is found once, in [`HexShape`].
 
 mod shape;
+mod structured;
 
 pub use shape::HexShape;
+pub use structured::StructuredBlock;
 
 use super::Column;
+use crate::error::{Error, Result};
 
 /// Eight corners a cell, in VTK's order, positively oriented.
+///
+/// As in [`Tets`](super::Tets), a number from a container beyond the last vertex reads as the last, and a shape that is not the
+/// cell's gives a wrong picture of it: neither is checked cell by cell.
 #[derive(Clone, Debug)]
 pub struct Hexahedra {
     corners: HexCorners,
     shapes: Column<HexShape>,
     absent: usize,
+    last_vertex: u32,
 }
 
 /// Where the corners of hexahedra stand.
 #[derive(Clone, Debug)]
-pub(super) enum HexCorners {
+pub(crate) enum HexCorners {
     /// Cell by cell.
     Listed(Column<[u32; 8]>),
     /// In the order of the points of structured blocks, without a number stored.
     Structured(Vec<StructuredBlock>),
-}
-
-/// A block of `dims` points, i fastest, and of one cell less each way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct StructuredBlock {
-    /// Points along i, j and k, two at least.
-    pub dims: [u32; 3],
-    /// The vertex of its first point.
-    pub first_vertex: u32,
-    /// The number of its first cell among the hexahedra.
-    pub first_cell: u32,
-}
-
-impl StructuredBlock {
-    /// How many cells it has.
-    pub fn cells(&self) -> u64 {
-        self.dims.iter().map(|&points| u64::from(points) - 1).product()
-    }
-
-    /// The corners of its cell `cell`.
-    #[inline]
-    fn corners(&self, cell: u32) -> [u32; 8] {
-        let [points_i, points_j, _] = self.dims;
-        let (row, i) = (cell / (points_i - 1), cell % (points_i - 1));
-        let (k, j) = (row / (points_j - 1), row % (points_j - 1));
-        let layer = points_i * points_j;
-        let first = self.first_vertex + i + points_i * j + layer * k;
-        let [a, b] = [first, first + layer];
-        [a, a + 1, a + 1 + points_i, a + points_i, b, b + 1, b + 1 + points_i, b + points_i]
-    }
-
-    /// The cells of the block across the faces of its cell `cell`, numbered like it, in the order of the faces of
-    /// [`HEXAHEDRON`](crate::cells::HEXAHEDRON); none at a side of the block.
-    #[inline]
-    pub fn across(&self, cell: u32) -> [Option<u32>; 6] {
-        let cells = self.dims.map(|points| points - 1);
-        let (row, i) = (cell / cells[0], cell % cells[0]);
-        let at = [i, row % cells[1], row / cells[1]];
-        let step = [1, cells[0], cells[0] * cells[1]];
-        std::array::from_fn(|face| {
-            let axis = face / 2;
-            if face % 2 == 0 {
-                (at[axis] > 0).then(|| cell - step[axis])
-            } else {
-                (at[axis] + 1 < cells[axis]).then(|| cell + step[axis])
-            }
-        })
-    }
 }
 
 impl Hexahedra {
@@ -86,7 +45,40 @@ impl Hexahedra {
 
     fn new(corners: HexCorners, shapes: Column<HexShape>) -> Self {
         let absent = shapes.iter().filter(|shape| shape.is_absent()).count();
-        Self { corners, shapes, absent }
+        Self { corners, shapes, absent, last_vertex: u32::MAX }
+    }
+
+    /// Cells as a container holds them, of which `absent` are not drawn: what can be checked without reading through a column
+    /// that may be larger than memory is checked.
+    ///
+    /// # Errors
+    /// [`Error::LengthMismatch`] where the columns do not fit each other or the vertices; [`Error::TooLarge`].
+    pub(crate) fn in_file(
+        corners: HexCorners,
+        shapes: Column<HexShape>,
+        absent: usize,
+        vertices: usize,
+    ) -> Result<Self> {
+        let cells = shapes.len();
+        let mismatch = |column: &str, len: usize, expected: usize| {
+            Err(Error::LengthMismatch { column: column.to_owned(), len: len as u64, expected: expected as u64 })
+        };
+        match &corners {
+            HexCorners::Listed(corners) if corners.len() != cells => return mismatch("corners", corners.len(), cells),
+            HexCorners::Listed(_) => {}
+            HexCorners::Structured(blocks) => {
+                let dims = blocks.iter().map(|block| block.dims.map(|points| points as usize));
+                let sequence = StructuredBlock::sequence(dims, vertices, cells)?;
+                let in_sequence = sequence.iter().zip(blocks).take_while(|(expected, block)| expected == block).count();
+                if in_sequence < blocks.len() {
+                    return mismatch("blocks that follow each other", in_sequence, blocks.len());
+                }
+            }
+        }
+        if absent > cells || vertices == 0 {
+            return mismatch("cells", cells, absent);
+        }
+        Ok(Self { corners, shapes, absent, last_vertex: (vertices - 1) as u32 })
     }
 
     /// No cell.
@@ -109,21 +101,26 @@ impl Hexahedra {
         self.shapes.is_empty()
     }
 
-    /// The structured blocks that imply the cells, by their first cells; none where cells are listed.
-    pub fn blocks(&self) -> &[StructuredBlock] {
+    /// All cells as slices, for repeated access.
+    pub fn view(&self) -> HexahedraView<'_> {
+        let (listed, blocks) = (self.listed_corners(), self.structured_blocks());
+        HexahedraView { listed, blocks, shapes: &self.shapes, first: 0, last_vertex: self.last_vertex }
+    }
+
+    /// The corners of cells that are listed, as they stand in the column: not turned, not checked; none of structured blocks.
+    pub(crate) fn listed_corners(&self) -> &[[u32; 8]] {
+        match &self.corners {
+            HexCorners::Listed(corners) => corners,
+            HexCorners::Structured(_) => &[],
+        }
+    }
+
+    /// The structured blocks that imply the cells, by their first cells; none where these are listed.
+    pub fn structured_blocks(&self) -> &[StructuredBlock] {
         match &self.corners {
             HexCorners::Listed(_) => &[],
             HexCorners::Structured(blocks) => blocks,
         }
-    }
-
-    /// All cells as slices, for repeated access.
-    pub fn view(&self) -> HexahedraView<'_> {
-        let listed: &[_] = match &self.corners {
-            HexCorners::Listed(corners) => corners,
-            HexCorners::Structured(_) => &[],
-        };
-        HexahedraView { listed, blocks: self.blocks(), shapes: &self.shapes, first: 0 }
     }
 
     /// Bytes of memory that the cells take; none where they are used in place.
@@ -146,6 +143,7 @@ pub struct HexahedraView<'a> {
     shapes: &'a [HexShape],
     /// The run's first cell.
     first: usize,
+    last_vertex: u32,
 }
 
 impl HexahedraView<'_> {
@@ -183,7 +181,7 @@ impl HexahedraView<'_> {
         let is_mirrored = self.shapes[cell].is_mirrored();
         let cell = self.first + cell;
         let corners = if self.blocks.is_empty() {
-            self.listed[cell]
+            self.listed[cell].map(|vertex| vertex.min(self.last_vertex))
         } else {
             let block = self.blocks.partition_point(|block| block.first_cell as usize <= cell) - 1;
             let block = &self.blocks[block];

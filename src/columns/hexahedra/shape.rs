@@ -40,13 +40,31 @@ impl HexShape {
     }
 
     fn of_positive(p: [Vec3; 8], index: [u32; 8], size: f64) -> Self {
-        let mut shape = Self(diagonals_of(index));
+        Self::cut_along(diagonals_of(index), p, size)
+    }
+
+    /// The shape of a cell of positive volume, its faces cut as `diagonals` says.
+    fn cut_along(diagonals: u16, p: [Vec3; 8], size: f64) -> Self {
+        let mut shape = Self(diagonals);
         for face in 0..6 {
             let [[a, b, c], [.., d]] = shape.triangles(face).map(|triangle| triangle.map(|i| p[usize::from(i)]));
             // Outwards is where (b−a)×(c−a) points: a fourth corner on that side folds the face inwards.
             shape.0 |= u16::from(orientation_of([a, b, c, d]) > 0) << (FOLDS + face as u32);
         }
         if shape.holds_all_corners(p, OUTSIDE * size) { Self(shape.0 | CONVEX) } else { shape }
+    }
+
+    /// Whether [`HexShape::new`] could give it to the cell with corners at `p`, turned if it says so: everything but the choice of
+    /// the diagonals follows from the corners.
+    pub(crate) fn fits(self, p: [Vec3; 8]) -> bool {
+        if self.is_absent() {
+            return self == Self::ABSENT;
+        }
+        let diagonals = self.0 & ((1 << FOLDS) - 1);
+        let as_listed = if self.is_mirrored() { Self::mirrored(p) } else { p };
+        let (volume, _) = volume_and_size(p, diagonals);
+        let expected = Self::cut_along(diagonals, p, size_of(as_listed.map(Vec3::as_dvec3)));
+        volume > 0.0 && self.0 == expected.0 | (self.0 & MIRRORED)
     }
 
     /// Whether each corner lies inside the planes of all triangles, but for the two at the ends of an inward fold, which lie
@@ -125,8 +143,12 @@ fn volume_and_size(p: [Vec3; 8], diagonals: u16) -> (f64, f64) {
         a.dot(b.cross(c))
     };
     let of_face = |face: usize| HexShape(diagonals).triangles(face).map(of_triangle).iter().sum::<f64>();
-    let size = q.iter().fold(0.0, |size: f64, corner| size.max(corner.length()));
-    ((0..6).map(of_face).sum::<f64>() / 6.0, size)
+    ((0..6).map(of_face).sum::<f64>() / 6.0, size_of(p))
+}
+
+/// The largest distance of a corner from the first.
+fn size_of(p: [DVec3; 8]) -> f64 {
+    p.iter().fold(0.0, |size: f64, corner| size.max((*corner - p[0]).length()))
 }
 
 #[cfg(test)]

@@ -8,9 +8,9 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::cells::Tell;
 use super::directory::Span;
 use super::external_sort::ExternalSort;
+use super::order::Tell;
 use super::sink::Sink;
 use super::write::Phase;
 use crate::columns::{Dataset, Tets};

@@ -9,7 +9,7 @@ use twox_hash::XxHash3_64;
 
 use super::directory::{ColumnSpan, Directory};
 use super::read::open;
-use crate::columns::{BlockCells, Dataset, orientation_of};
+use crate::columns::{BlockCells, BlockView, Dataset, HexShape, orientation_of};
 use crate::error::{Error, Result, presentable};
 use crate::io::mapping::bytes_of;
 
@@ -22,8 +22,8 @@ pub struct Checked {
     pub bytes: u64,
 }
 
-/// Reads the whole container: checksums, vertex numbers (ascending, in range), positions (finite, within their block's
-/// box), orientation bits, neighbours.
+/// Reads the whole container: checksums, vertex numbers (in range; of tetrahedra ascending), positions (finite, within their block's
+/// box), orientation bits, shapes but for the choice of the diagonals, neighbours, counts.
 ///
 /// # Errors
 /// [`Error::Malformed`] with the first column, block or cell that is wrong.
@@ -53,32 +53,73 @@ pub fn check(path: &Path, use_map: bool) -> Result<Checked> {
     if let Some((cell, problem)) = problem {
         return Err(malformed(format!("cell {cell}"), problem.to_owned()));
     }
+    let hexahedra = dataset.hexahedra.view();
+    let absent = (0..hexahedra.len()).into_par_iter().filter(|&cell| hexahedra.shape(cell).is_absent()).count();
+    if absent != dataset.hexahedra.absent() {
+        return Err(malformed(
+            "column shapes".to_owned(),
+            format!("{absent} cells are absent, not as many as it says"),
+        ));
+    }
     let bytes = spans.iter().map(|(_, span, _)| span.bytes).sum();
     Ok(Checked { columns: spans.len() as u64, bytes })
 }
 
-/// The first cell of a block that is not as it must be.
+/// The first cell of a block that is not as it must be, and what is wrong with it.
 fn problem_of(dataset: &Dataset, block: usize) -> Option<(usize, &'static str)> {
     let view = dataset.block(block);
-    let BlockCells::Tets(tets) = &view.cells else { return None };
-    let wrong = |(cell, tet): (usize, [u32; 4])| {
-        // A number beyond the last vertex reads as the last one: not ascending, but for a cell that has just one such.
-        if !tet.is_sorted_by(|a, b| a < b) {
-            return Some((cell, "its vertices are not ascending, or there are none of these numbers"));
+    let of_cell = |cell: usize| match &view.cells {
+        BlockCells::Tets(tets) => problem_of_tet(dataset, &view, cell, tets.get(cell)),
+        BlockCells::Hexahedra(hexahedra) => {
+            problem_of_hexahedron(dataset, &view, view.base + cell, (hexahedra.get(cell), hexahedra.shape(cell)))
         }
-        let corners = tet.map(|v| Vec3::from_array(view.positions[v as usize]));
-        if corners.iter().any(|p| p.cmplt(view.bounds.min).any() || p.cmpgt(view.bounds.max).any()) {
-            return Some((cell, "it lies outside its block's box"));
-        }
-        let sign = orientation_of(corners);
-        if sign == 0 || (sign > 0) != dataset.positive.get(view.base + cell) {
-            return Some((cell, "its orientation bit is wrong"));
-        }
-        let Some(adjacency) = &dataset.adjacency else { return None };
-        let cell = view.base + cell;
-        let is_mutual = |other: u32| adjacency.get(other as usize).is_some_and(|back| back.contains(&(cell as u32)));
-        let is_wrong = adjacency[cell].iter().any(|&other| other != u32::MAX && !is_mutual(other));
-        is_wrong.then_some((cell - view.base, "it has a neighbour whose neighbour it is not"))
     };
-    tets.iter().enumerate().find_map(wrong).map(|(cell, problem)| (view.base + cell, problem))
+    (0..view.len()).find_map(|cell| of_cell(cell).map(|problem| (view.base + cell, problem)))
+}
+
+/// Whether a position is outside the block's box.
+fn is_outside(view: &BlockView, p: Vec3) -> bool {
+    p.cmplt(view.bounds.min).any() || p.cmpgt(view.bounds.max).any()
+}
+
+const OUTSIDE: &str = "it lies outside its block's box";
+
+/// Of the block's cell `cell`.
+fn problem_of_tet(dataset: &Dataset, view: &BlockView, cell: usize, tet: [u32; 4]) -> Option<&'static str> {
+    // A number beyond the last vertex reads as the last one: not ascending, but for a cell that has just one such.
+    if !tet.is_sorted_by(|a, b| a < b) {
+        return Some("its vertices are not ascending, or there are none of these numbers");
+    }
+    let corners = tet.map(|v| Vec3::from_array(view.positions[v as usize]));
+    if corners.iter().any(|&p| is_outside(view, p)) {
+        return Some(OUTSIDE);
+    }
+    let sign = orientation_of(corners);
+    if sign == 0 || (sign > 0) != dataset.positive.get(view.base + cell) {
+        return Some("its orientation bit is wrong");
+    }
+    let Some(adjacency) = &dataset.adjacency else { return None };
+    let cell = view.base + cell;
+    let is_mutual = |other: u32| adjacency.get(other as usize).is_some_and(|back| back.contains(&(cell as u32)));
+    let is_wrong = adjacency[cell].iter().any(|&other| other != u32::MAX && !is_mutual(other));
+    is_wrong.then_some("it has a neighbour whose neighbour it is not")
+}
+
+/// Of cell `cell` of the dataset.
+fn problem_of_hexahedron(
+    dataset: &Dataset,
+    view: &BlockView,
+    cell: usize,
+    (corners, shape): ([u32; 8], HexShape),
+) -> Option<&'static str> {
+    let listed = dataset.hexahedra.listed_corners().get(cell - dataset.tets.len());
+    if listed.is_some_and(|listed| listed.iter().any(|&v| v as usize >= view.positions.len())) {
+        return Some("it names vertices that there are none of");
+    }
+    let corners = corners.map(|v| Vec3::from_array(view.positions[v as usize]));
+    if !shape.fits(corners) {
+        return Some("its shape is not that of its corners");
+    }
+    let is_drawn_outside = !shape.is_absent() && corners.iter().any(|&p| is_outside(view, p));
+    is_drawn_outside.then_some(OUTSIDE)
 }

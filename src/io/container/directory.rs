@@ -5,14 +5,15 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use twox_hash::XxHash3_64;
 
-use crate::columns::{Association, CellCounts, Dataset};
+use super::write::Written;
+use crate::columns::{ArrayHead, Association, CellCounts, Dataset, HexShape, StructuredBlock};
 use crate::error::{Error, Result, presentable};
 
 /// How a container begins; what text-mode transfers change is in it.
 pub const MAGIC: [u8; 8] = *b"\x89CELLS\r\n";
 
-/// The version this program writes, and the only one it reads.
-pub(super) const VERSION: u32 = 1;
+/// The versions: of tetrahedra alone, and with cells of other kinds.
+pub(super) const VERSIONS: [u32; 2] = [1, 2];
 
 /// Columns begin at multiples of this.
 pub(super) const ALIGNMENT: u64 = 64;
@@ -25,6 +26,7 @@ const DIRECTORY_BYTES_MAX: u64 = 1 << 26;
 /// The first 64 bytes, little-endian.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Header {
+    pub(super) version: u32,
     /// Length of the file.
     pub(super) file_bytes: u64,
     pub(super) directory_offset: u64,
@@ -36,7 +38,7 @@ impl Header {
     pub(super) fn to_bytes(self) -> [u8; HEADER_BYTES] {
         let mut bytes = [0; HEADER_BYTES];
         bytes[..8].copy_from_slice(&MAGIC);
-        bytes[8..12].copy_from_slice(&VERSION.to_le_bytes());
+        bytes[8..12].copy_from_slice(&self.version.to_le_bytes());
         let fields = [self.file_bytes, self.directory_offset, self.directory_bytes, self.directory_checksum];
         for (to, field) in bytes[16..48].chunks_exact_mut(8).zip(fields) {
             to.copy_from_slice(&field.to_le_bytes());
@@ -52,12 +54,15 @@ impl Header {
         }
         let word = |at: usize| u64::from_le_bytes(std::array::from_fn(|i| header[at + i]));
         let version = word(8) as u32;
-        if version != VERSION {
-            return Err(format!("version {version}, where this program reads {VERSION}; write it again with convert"));
+        if !VERSIONS.contains(&version) {
+            let [first, second] = VERSIONS;
+            return Err(format!(
+                "version {version}; this program reads {first} and {second}; write it again with convert"
+            ));
         }
         let fields = [word(16), word(24), word(32), word(40)];
         let [file_bytes, directory_offset, directory_bytes, directory_checksum] = fields;
-        Ok(Self { file_bytes, directory_offset, directory_bytes, directory_checksum })
+        Ok(Self { version, file_bytes, directory_offset, directory_bytes, directory_checksum })
     }
 }
 
@@ -99,11 +104,32 @@ pub(super) struct Directory {
     pub(super) positions: Span,
     pub(super) orientation: Span,
     pub(super) tetrahedra: Span,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) hexahedra: Option<HexahedraEntry>,
     pub(super) block_ids: Span,
     pub(super) block_bounds: Span,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) adjacency: Option<Span>,
     pub(super) arrays: Vec<ArrayEntry>,
+}
+
+/// Cells with faces of four corners.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct HexahedraEntry {
+    pub(super) cells: u64,
+    /// Of these, how many are numbered and not drawn.
+    pub(super) absent: u64,
+    /// Of these, how many repeat their corners as a wedge does.
+    pub(super) wedges: u64,
+    /// And as a pyramid does.
+    pub(super) pyramids: u64,
+    /// Where they are listed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) corners: Option<Span>,
+    /// Where structured blocks imply them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) blocks: Option<Span>,
+    pub(super) shapes: Span,
 }
 
 /// A named array.
@@ -118,6 +144,20 @@ pub(super) struct ArrayEntry {
     pub(super) ranges: Vec<RangeEntry>,
 }
 
+impl ArrayEntry {
+    /// An array whose values are written, without ranges.
+    pub(super) fn new(head: ArrayHead, values: Span) -> Self {
+        Self {
+            name: head.name,
+            association: head.association,
+            components: head.components as u64,
+            number_type: head.type_name.to_owned(),
+            values,
+            ranges: Vec::new(),
+        }
+    }
+}
+
 /// What is known of one scalar.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct RangeEntry {
@@ -128,6 +168,29 @@ pub(super) struct RangeEntry {
 }
 
 impl Directory {
+    /// `cell_kind` where all cells are tetrahedra, the files of version 1.
+    pub(super) const TETRAHEDRON: &str = "tetrahedron";
+    /// `cell_kind` where there are others.
+    pub(super) const MIXED: &str = "mixed";
+
+    /// The version of a file with this directory.
+    pub(super) fn version(&self) -> u32 {
+        VERSIONS[usize::from(self.hexahedra.is_some())]
+    }
+
+    /// How many tetrahedra and hexahedra there are.
+    pub(super) fn by_kind(&self) -> [u64; 2] {
+        let hexahedra = self.hexahedra.as_ref().map_or(0, |hexahedra| hexahedra.cells);
+        [self.cells - hexahedra, hexahedra]
+    }
+
+    /// What is told of the file.
+    pub(super) fn written(&self, file_bytes: u64, narrow_blocks: (u64, u64)) -> Written {
+        let absent = self.hexahedra.as_ref().map_or(0, |hexahedra| hexahedra.absent);
+        let cells = self.cells - absent;
+        Written { cells, vertices: self.vertices, file_bytes, narrow_blocks, counts: self.counts }
+    }
+
     /// Finds the directory of a container and checks everything that can be checked without its columns.
     pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Self> {
         let malformed = |place: &str, problem: String| Error::Malformed {
@@ -151,19 +214,29 @@ impl Directory {
         }
         let directory: Self =
             serde_json::from_slice(text).map_err(|error| malformed("directory", error.to_string()))?;
-        directory.check(len).map_err(|(place, problem)| malformed(&place, problem))?;
+        directory.check(len, header.version).map_err(|(place, problem)| malformed(&place, problem))?;
         Ok(directory)
     }
 
     /// Numbers that 32 bits hold, columns of the right length that lie in the file, aligned, without overlap.
-    fn check(&self, file_bytes: u64) -> std::result::Result<(), (String, String)> {
+    fn check(&self, file_bytes: u64, version: u32) -> std::result::Result<(), (String, String)> {
         let directory = |problem: String| ("directory".to_owned(), problem);
-        if self.cell_kind != "tetrahedron" {
-            return Err(directory(format!("cells of kind {:?}; this version reads tetrahedra", self.cell_kind)));
+        let kind = if self.hexahedra.is_some() { Self::MIXED } else { Self::TETRAHEDRON };
+        if self.cell_kind != kind || self.version() != version {
+            return Err(directory(format!("cells of kind {:?}, where version {version} has others", self.cell_kind)));
         }
         let limit = u64::from(u32::MAX) - 1;
         if self.cells == 0 || self.cells > limit || self.vertices == 0 || self.vertices > limit {
             return Err(directory(format!("{} cells of {} vertices; 1 to {limit} each", self.cells, self.vertices)));
+        }
+        if let Some(HexahedraEntry { cells, absent, wedges, pyramids, .. }) = self.hexahedra
+            && (cells == 0
+                || cells > self.cells
+                || absent > cells
+                || wedges.checked_add(pyramids).is_none_or(|of_kind| of_kind > cells))
+        {
+            let of = format!("{absent} absent, {wedges} wedges, {pyramids} pyramids");
+            return Err(directory(format!("{cells} hexahedra ({of}) among {} cells", self.cells)));
         }
         if self.cells_per_block != Dataset::BLOCK_CELLS as u64 {
             let problem =
@@ -202,16 +275,34 @@ impl Directory {
 
     /// Every column.
     pub(super) fn spans(&self) -> std::result::Result<Vec<ColumnSpan>, (String, String)> {
-        let blocks = self.cells.div_ceil(self.cells_per_block);
+        let [tets, hexahedra] = self.by_kind();
+        let of_tets = tets.div_ceil(self.cells_per_block);
+        let blocks = of_tets + hexahedra.div_ceil(self.cells_per_block);
         let mut spans = vec![
             ("positions".to_owned(), self.positions, Some(self.vertices * 12)),
-            ("orientation".to_owned(), self.orientation, Some(self.cells.div_ceil(64) * 8)),
+            ("orientation".to_owned(), self.orientation, Some(tets.div_ceil(64) * 8)),
             ("tetrahedra".to_owned(), self.tetrahedra, None),
-            ("block_ids".to_owned(), self.block_ids, Some(blocks * 8)),
+            ("block_ids".to_owned(), self.block_ids, Some(of_tets * 8)),
             ("block_bounds".to_owned(), self.block_bounds, Some(blocks * 24)),
         ];
+        if let Some(entry) = &self.hexahedra {
+            let wrong = |problem: &str| Err(("hexahedra".to_owned(), problem.to_owned()));
+            let size_of_shape = size_of::<HexShape>() as u64;
+            spans.push(("shapes".to_owned(), entry.shapes, Some(hexahedra * size_of_shape)));
+            match (entry.corners, entry.blocks) {
+                (Some(corners), None) => spans.push(("corners".to_owned(), corners, Some(hexahedra * 32))),
+                (None, Some(blocks)) if tets > 0 || blocks.bytes % size_of::<StructuredBlock>() as u64 != 0 => {
+                    return wrong("blocks beside tetrahedra, or a part of a block");
+                }
+                (None, Some(blocks)) => spans.push(("structured blocks".to_owned(), blocks, None)),
+                _ => return wrong("either corners or blocks say where they are"),
+            }
+        }
         if let Some(adjacency) = self.adjacency {
-            spans.push(("adjacency".to_owned(), adjacency, Some(self.cells * 16)));
+            if hexahedra > 0 {
+                return Err(("column adjacency".to_owned(), "it is for tetrahedra alone".to_owned()));
+            }
+            spans.push(("adjacency".to_owned(), adjacency, Some(tets * 16)));
         }
         for array in &self.arrays {
             let wrong = |problem: &str| (format!("array {:?}", array.name), problem.to_owned());

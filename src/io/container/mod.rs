@@ -1,23 +1,28 @@
 //! The container `.cells`: a mesh as columns that are used in place through a memory map. The format: `docs/container.md`.
 //!
-//! In: a path ([`open`]), or tetrahedra to write ([`write()`], in bounded memory). Out: a [`Dataset`](crate::Dataset), or a file.
-//! `directory` names the columns, `read` opens, `write` lays them out (`cells` in order, by `external_sort`; `ranges` of
-//! values, `adjacency` on request), `check` reads everything. To add a column: its entry in `directory`, its writer, and its check.
+//! In: a path ([`open`]), or cells to write: listed ([`write()`], in bounded memory) or structured ([`write_structured`]). Out: a
+//! [`Dataset`](crate::Dataset), or a file. `directory` names the columns, `columns` finds them in a file's bytes, `read` opens, `write`
+//! lays them out (`cells` in the `order` that `external_sort` gives; `ranges` of values, `adjacency` on request), `structured` as they
+//! come, `check` reads everything. To add a column: its entry in `directory`, its writer, and its check.
 
 mod adjacency;
 mod cells;
 mod check;
+mod columns;
 mod directory;
 mod external_sort;
+mod order;
 mod ranges;
 mod read;
 mod sink;
+mod structured;
 mod write;
 
 pub use check::Checked;
 pub use check::check;
 pub use directory::MAGIC;
-pub use read::{is_container, open};
+pub use read::{cells_by_kind, is_container, open};
+pub use structured::write_structured;
 pub use write::{Phase, WriteOptions, Written, write};
 
 #[cfg(test)]

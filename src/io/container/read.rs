@@ -9,6 +9,7 @@ use bytemuck::Pod;
 use glam::{DVec3, Vec3};
 
 use super::directory::{Directory, MAGIC, Span};
+use crate::cells::{CellKind, HEXAHEDRON, PYRAMID, TETRAHEDRON, WEDGE};
 use crate::columns::{
     Array, ArrayRanges, BitColumn, Block, Bounds, Column, Dataset, Hexahedra, NumericColumn, SharedBytes, Tets,
     ValueRanges,
@@ -30,7 +31,8 @@ pub fn is_container(path: &Path) -> Result<bool> {
 /// Opens a container: in place through a memory map, or (`use_map` false) read whole.
 ///
 /// Header, directory, and the layout of all columns are checked, the contents are not: that would read all of a file that may be
-/// larger than memory. [`check`](super::check()) does. A vertex number beyond the last vertex reads as the last one.
+/// larger than memory. [`check`](super::check()) does. A vertex number beyond the last vertex reads as the last one. Whole cells
+/// stay whole; [`Dataset::into_tetrahedra`] cuts them.
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Malformed`] with the column and what is wrong with it.
@@ -45,30 +47,38 @@ pub fn open(path: &Path, use_map: bool) -> Result<Dataset> {
     let columns = Columns { bytes, path };
 
     let (cells, vertices) = (directory.cells as usize, directory.vertices as usize);
+    let [of_tets, of_hexahedra] = directory.by_kind().map(|cells| cells as usize);
     let positions = columns.of("positions", directory.positions)?;
     let words = columns.of("orientation", directory.orientation)?;
     let wrong = |place: &str, problem: &str| columns.malformed(place, problem.to_owned());
-    let positive = BitColumn::from_words(words, cells).ok_or_else(|| wrong("orientation", "bits are missing"))?;
+    let positive = BitColumn::from_words(words, of_tets).ok_or_else(|| wrong("orientation", "bits are missing"))?;
     let tets = Tets::blocked(
         columns.of("tetrahedra", directory.tetrahedra)?,
         columns.of("tetrahedra", directory.tetrahedra)?,
         columns.of("block_ids", directory.block_ids)?,
-        cells,
+        of_tets,
         vertices,
     )
     .map_err(|error| columns.malformed("column tetrahedra", error.to_string()))?;
+    let hexahedra =
+        directory.hexahedra.map_or_else(|| Ok(Hexahedra::none()), |entry| entry.column(&columns.bytes, vertices));
+    let hexahedra = hexahedra.map_err(|error| columns.malformed("hexahedra", error.to_string()))?;
 
     let block_bounds: Column<[[f32; 3]; 2]> = columns.of("block_bounds", directory.block_bounds)?;
     let mut blocks = Vec::with_capacity(block_bounds.len());
     let mut bounds = Bounds::EMPTY;
-    for (i, &[min, max]) in block_bounds.iter().enumerate() {
+    for (i, (cells, &[min, max])) in Dataset::runs(of_tets, of_hexahedra).zip(&block_bounds[..]).enumerate() {
         let block = Bounds { min: Vec3::from_array(min), max: Vec3::from_array(max) };
-        if !block.min.cmple(block.max).all() || !block.min.is_finite() || !block.max.is_finite() {
+        let is_box = block.min.cmple(block.max).all() && block.min.is_finite() && block.max.is_finite();
+        // Of hexahedra, a block may have none that is drawn.
+        if !is_box && (cells.start < of_tets || block != Bounds::EMPTY) {
             return Err(columns.malformed("column block_bounds", format!("the box of block {i} is none")));
         }
         bounds = bounds.union(block);
-        let first = i * Dataset::BLOCK_CELLS;
-        blocks.push(Block { cells: first..(first + Dataset::BLOCK_CELLS).min(cells), bounds: block });
+        blocks.push(Block { cells, bounds: block });
+    }
+    if bounds == Bounds::EMPTY {
+        return Err(columns.malformed("column block_bounds", "there is nothing in any block".to_owned()));
     }
 
     let mut arrays = Vec::with_capacity(directory.arrays.len());
@@ -102,7 +112,7 @@ pub fn open(path: &Path, use_map: bool) -> Result<Dataset> {
         origin: DVec3::from_array(directory.origin),
         positions,
         tets,
-        hexahedra: Hexahedra::none(),
+        hexahedra,
         positive,
         file_from_vertex: None,
         file_from_cell: None,
@@ -115,6 +125,21 @@ pub fn open(path: &Path, use_map: bool) -> Result<Dataset> {
         read_bytes: if use_map { 0 } else { (*columns.bytes).as_ref().len() as u64 },
         backing,
     })
+}
+
+/// The cells of a container by kind, those included that are not drawn; from its directory.
+///
+/// # Errors
+/// As [`open`].
+pub fn cells_by_kind(path: &Path, use_map: bool) -> Result<Vec<(&'static CellKind, u64)>> {
+    let file = File::open(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
+    let (bytes, _) = bytes_of(path, file, use_map)?;
+    let directory = Directory::read((*bytes).as_ref(), path)?;
+    let [tets, hexahedra] = directory.by_kind();
+    let (wedges, pyramids) = directory.hexahedra.map_or((0, 0), |entry| (entry.wedges, entry.pyramids));
+    let all =
+        [(&TETRAHEDRON, tets), (&HEXAHEDRON, hexahedra - wedges - pyramids), (&WEDGE, wedges), (&PYRAMID, pyramids)];
+    Ok(all.into_iter().filter(|&(_, cells)| cells > 0).collect())
 }
 
 fn tuples(entry: &super::directory::ArrayEntry, cells: usize, vertices: usize) -> u64 {
@@ -132,8 +157,7 @@ struct Columns<'a> {
 
 impl Columns<'_> {
     fn of<T: Pod>(&self, name: &str, span: Span) -> Result<Column<T>> {
-        Column::shared(name, Arc::clone(&self.bytes), span.offset as usize, span.bytes as usize / size_of::<T>())
-            .map_err(|error| self.malformed(&format!("column {name}"), error.to_string()))
+        span.column(name, &self.bytes).map_err(|error| self.malformed(&format!("column {name}"), error.to_string()))
     }
 
     fn malformed(&self, place: &str, problem: String) -> Error {

@@ -70,7 +70,9 @@ impl<'a> Sink<'a> {
     /// A whole column at once.
     pub(super) fn whole(&mut self, bytes: &[u8]) -> Result<Span> {
         let mut column = self.column(Some(bytes.len() as u64));
-        self.append(&mut column, bytes)?;
+        for some in bytes.chunks(GATHERED_BYTES) {
+            self.append(&mut column, some)?;
+        }
         self.finish(column)
     }
 

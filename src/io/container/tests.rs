@@ -1,3 +1,5 @@
+mod whole;
+
 use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -5,7 +7,8 @@ use std::path::{Path, PathBuf};
 use super::directory::{Directory, Header};
 use super::*;
 use crate::columns::{
-    Array, Association, BlockIds, CellCounts, Component, FieldSelection, NumericColumn, Points, TetMesh, TetSource,
+    Array, Association, BlockIds, CellCounts, CellSource, Component, FieldSelection, NumericColumn, Points,
+    StructuredCells, TetMesh,
 };
 use crate::generate::{Kind, Scheme, Settings, generate, source};
 use crate::{Dataset, Error};
@@ -22,9 +25,16 @@ impl Folder {
     }
 
     /// Writes `source` with `memory_bytes` and opens it.
-    fn container(&self, source: &dyn TetSource, memory_bytes: u64) -> Dataset {
+    fn container(&self, source: &dyn CellSource, memory_bytes: u64) -> Dataset {
         let path = self.path("mesh.cells");
         write(source, &path, &WriteOptions { memory_bytes, ..WriteOptions::default() }, &|_, _, _| {}).unwrap();
+        open(&path, true).unwrap()
+    }
+
+    /// Writes structured blocks and opens them.
+    fn structured(&self, cells: StructuredCells) -> Dataset {
+        let path = self.path("mesh.cells");
+        write_structured(cells, &path, &WriteOptions::default(), &|_, _, _| {}).unwrap();
         open(&path, true).unwrap()
     }
 }
@@ -36,6 +46,9 @@ fn assert_same(container: &Dataset, expected: &Dataset) {
     assert_eq!(container.counts, expected.counts);
     assert!(container.positions[..] == expected.positions[..]);
     assert!(container.tets.iter().eq(expected.tets.iter()));
+    let (a, b) = (container.hexahedra.view(), expected.hexahedra.view());
+    assert_eq!((a.len(), container.hexahedra.absent()), (b.len(), expected.hexahedra.absent()));
+    assert!((0..a.len()).all(|cell| (a.get(cell), a.shape(cell)) == (b.get(cell), b.shape(cell))));
     let bits = |dataset: &Dataset| (0..dataset.tets.len()).map(|i| dataset.positive.get(i)).collect::<Vec<_>>();
     assert!(bits(container) == bits(expected));
     let blocks = |dataset: &Dataset| dataset.blocks.iter().map(|b| (b.cells.clone(), b.bounds)).collect::<Vec<_>>();
@@ -176,6 +189,7 @@ fn with_directory(path: &Path, bytes: &[u8], text: &[u8]) {
     let mut file = bytes[..offset as usize].to_vec();
     file.extend_from_slice(text);
     let header = Header {
+        version: u32::from_le_bytes(bytes[8..12].try_into().unwrap()),
         file_bytes: file.len() as u64,
         directory_offset: offset,
         directory_bytes: text.len() as u64,

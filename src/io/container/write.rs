@@ -6,12 +6,13 @@ use std::sync::Arc;
 use twox_hash::XxHash3_64;
 
 use super::adjacency;
-use super::cells::{self, Tell, WrittenCells, append_values};
-use super::directory::{ArrayEntry, Directory, Header, RangeEntry, Span};
-use super::ranges;
+use super::cells::{self, WrittenCells, append_values};
+use super::directory::{ArrayEntry, Directory, Header, Span};
+use super::order::{self, Tell};
+use super::ranges::{self, Cells};
 use super::sink::Sink;
 use crate::atomic::AtomicFile;
-use crate::columns::{Association, Column, Dataset, NumericColumn, SharedBytes, TetSource, Tets};
+use crate::columns::{Association, CellSource, Dataset, Hexahedra, NumericColumn, SharedBytes, Tets};
 use crate::error::{Error, Result};
 use crate::io::mapping::bytes_of;
 
@@ -20,13 +21,25 @@ use crate::io::mapping::bytes_of;
 pub struct WriteOptions {
     /// Memory to keep to, beside the source's points; the sort gets at least 256 KiB.
     pub memory_bytes: u64,
-    /// Also write which cells share a face: 16 bytes a cell.
+    /// Also write which cells share a face, 16 bytes a cell: where all are tetrahedra.
     pub adjacency: bool,
 }
 
 impl Default for WriteOptions {
     fn default() -> Self {
         Self { memory_bytes: 1 << 30, adjacency: false }
+    }
+}
+
+impl WriteOptions {
+    /// Of cells that are not all tetrahedra.
+    pub(super) fn check_whole(self) -> Result<()> {
+        if !self.adjacency {
+            return Ok(());
+        }
+        let problem =
+            "neighbours are kept of tetrahedra alone; write these (--cells tetrahedra), or leave it out".to_owned();
+        Err(Error::Option { option: "--adjacency", problem })
     }
 }
 
@@ -63,13 +76,14 @@ pub struct Written {
 /// Vertices whose columns are gathered at once.
 const VERTICES_AT_ONCE: usize = 1 << 18;
 
-/// Writes the tetrahedra of `source` to the container `path`: what [`Dataset::from_tets`] makes of them, to the bit.
+/// Writes the cells of `source` to the container `path`: what [`Dataset::from_cells`] makes of them, to the bit.
 ///
-/// `tell` hears of the progress: phase, done, of how many. Sorting more than the memory holds takes 12 bytes a cell in a nameless
-/// file in the folder of `path`.
+/// `tell` hears of the progress: phase, done, of how many. Sorting more than the memory holds takes 12 bytes a tetrahedron and 16
+/// a hexahedron in a nameless file in the folder of `path`.
 ///
 /// # Errors
-/// Those of [`Dataset::from_tets`], [`Error::Io`], [`Error::Unsupported`] on a big-endian machine; what was at `path` is then as it was.
+/// Those of [`Dataset::from_cells`], [`Error::Io`], [`Error::Option`] where neighbours of other cells than tetrahedra are asked for,
+/// [`Error::Unsupported`] on a big-endian machine; what was at `path` is then as it was.
 ///
 /// ```
 /// use cellfan::{Dataset, generate, io};
@@ -82,22 +96,23 @@ const VERTICES_AT_ONCE: usize = 1 << 18;
 /// assert_eq!(dataset.tets.get(7), Dataset::from_tets(mesh)?.tets.get(7));
 /// # Ok::<(), cellfan::Error>(())
 /// ```
-pub fn write(source: &dyn TetSource, path: &Path, options: &WriteOptions, tell: Tell) -> Result<Written> {
-    if cfg!(target_endian = "big") {
-        let (what, advice) = ("a container on a big-endian machine", "write it on another");
-        return Err(Error::Unsupported { path: path.to_owned(), what: what.to_owned(), advice: advice.to_owned() });
-    }
+pub fn write(source: &dyn CellSource, path: &Path, options: &WriteOptions, tell: Tell) -> Result<Written> {
+    check_machine(path)?;
     source.check()?;
+    if !source.hexahedra().is_empty() {
+        options.check_whole()?;
+    }
     let points = source.points();
     let fixed_bytes = points.len() as u64 * 12;
     let sort_bytes = options.memory_bytes.saturating_sub(fixed_bytes).max(1 << 18);
     let mut file = AtomicFile::create(path)?;
-    let mut ordered = cells::order(source, path, sort_bytes, tell)?;
+    let mut ordered = order::order(source, path, sort_bytes, tell)?;
 
     let mut sink = Sink::new(&mut file.writer, path);
     let cells = cells::write(source, &mut ordered, &mut sink, tell)?;
     let positions = write_positions(source, &ordered.placement, &cells.file_from_vertex, &mut sink)?;
     let heads = source.arrays();
+    let count = heads.len() as u64;
     let mut cell_arrays = cells.cell_arrays.iter().copied();
     let mut arrays = Vec::with_capacity(heads.len());
     for (i, head) in heads.into_iter().enumerate() {
@@ -105,26 +120,20 @@ pub fn write(source: &dyn TetSource, path: &Path, options: &WriteOptions, tell: 
             Association::Cell => cell_arrays.next().unwrap_or(positions),
             Association::Point => write_point_array(source, i, &cells.file_from_vertex, &mut sink)?,
         };
-        tell(Phase::Vertices, i as u64 + 1, source.arrays().len() as u64);
-        arrays.push(ArrayEntry {
-            name: head.name,
-            association: head.association,
-            components: head.components as u64,
-            number_type: head.type_name.to_owned(),
-            values,
-            ranges: Vec::new(),
-        });
+        tell(Phase::Vertices, i as u64 + 1, count);
+        arrays.push(ArrayEntry::new(head, values));
     }
     let block_ids = sink.whole(bytemuck::cast_slice(&cells.block_ids))?;
     let block_bounds = sink.whole(bytemuck::cast_slice(&cells.block_bounds))?;
-    let so_far = SoFar::new(&cells, ordered.cells, path, &mut sink)?;
+    let so_far = SoFar::new(&cells, ordered.tets.cells, path, &mut sink)?;
     let adjacency =
         options.adjacency.then(|| adjacency::write(&so_far.tets, path, sort_bytes, &mut sink, tell)).transpose()?;
     so_far.write_ranges(&mut arrays, &mut sink, tell)?;
 
+    let kind = if cells.hexahedra.is_some() { Directory::MIXED } else { Directory::TETRAHEDRON };
     let directory = Directory {
-        cell_kind: "tetrahedron".to_owned(),
-        cells: ordered.cells as u64,
+        cell_kind: kind.to_owned(),
+        cells: (ordered.tets.cells + ordered.hexahedra.cells) as u64,
         vertices: cells.file_from_vertex.len() as u64,
         cells_per_block: Dataset::BLOCK_CELLS as u64,
         origin: ordered.placement.origin.to_array(),
@@ -132,31 +141,40 @@ pub fn write(source: &dyn TetSource, path: &Path, options: &WriteOptions, tell: 
         positions,
         orientation: cells.orientation,
         tetrahedra: cells.tetrahedra,
+        hexahedra: cells.hexahedra,
         block_ids,
         block_bounds,
         adjacency,
         arrays,
     };
-    let encode = |error: serde_json::Error| Error::Io { path: path.to_owned(), source: error.into() };
-    let text = serde_json::to_vec(&directory).map_err(encode)?;
-    let Span { offset: directory_offset, bytes: directory_bytes, .. } = sink.whole(&text)?;
-    let directory_checksum = XxHash3_64::oneshot(&text);
-    let file_bytes = sink.end();
-    sink.header(&Header { file_bytes, directory_offset, directory_bytes, directory_checksum }.to_bytes())?;
+    let file_bytes = finish(&directory, path, sink)?;
     file.commit()?;
-
     let narrow = cells.block_ids.iter().filter(|ids| ids.base != crate::columns::BlockIds::WIDE).count();
-    Ok(Written {
-        cells: directory.cells,
-        vertices: directory.vertices,
-        file_bytes,
-        narrow_blocks: (narrow as u64, cells.block_ids.len() as u64),
-        counts: directory.counts,
-    })
+    Ok(directory.written(file_bytes, (narrow as u64, cells.block_ids.len() as u64)))
+}
+
+/// Columns are written as they are in memory.
+pub(super) fn check_machine(path: &Path) -> Result<()> {
+    if cfg!(target_endian = "little") {
+        return Ok(());
+    }
+    let (what, advice) = ("a container on a big-endian machine", "write it on another");
+    Err(Error::Unsupported { path: path.to_owned(), what: what.to_owned(), advice: advice.to_owned() })
+}
+
+/// Writes directory and header; the length of the file.
+pub(super) fn finish(directory: &Directory, path: &Path, mut sink: Sink) -> Result<u64> {
+    let encode = |error: serde_json::Error| Error::Io { path: path.to_owned(), source: error.into() };
+    let text = serde_json::to_vec(directory).map_err(encode)?;
+    let Span { offset: directory_offset, bytes: directory_bytes, .. } = sink.whole(&text)?;
+    let (version, directory_checksum) = (directory.version(), XxHash3_64::oneshot(&text));
+    let file_bytes = sink.end();
+    sink.header(&Header { version, file_bytes, directory_offset, directory_bytes, directory_checksum }.to_bytes())?;
+    Ok(file_bytes)
 }
 
 fn write_positions(
-    source: &dyn TetSource,
+    source: &dyn CellSource,
     placement: &crate::columns::Placement,
     file_from_vertex: &[u32],
     sink: &mut Sink,
@@ -170,12 +188,12 @@ fn write_positions(
     sink.finish(column)
 }
 
-fn write_point_array(source: &dyn TetSource, array: usize, file_from_vertex: &[u32], sink: &mut Sink) -> Result<Span> {
+fn write_point_array(source: &dyn CellSource, array: usize, file_from_vertex: &[u32], sink: &mut Sink) -> Result<Span> {
     let mut one = Vec::new();
     source.append_values(array, &file_from_vertex[..1], &mut one);
     let mut column = sink.column(Some((one.len() * file_from_vertex.len()) as u64));
     for some in file_from_vertex.chunks(VERTICES_AT_ONCE) {
-        append_values(source, array, some, sink, &mut column)?;
+        append_values(&|tuples, bytes| source.append_values(array, tuples, bytes), some, sink, &mut column)?;
     }
     sink.finish(column)
 }
@@ -184,33 +202,37 @@ fn write_point_array(source: &dyn TetSource, array: usize, file_from_vertex: &[u
 struct SoFar {
     bytes: SharedBytes,
     tets: Tets,
+    hexahedra: Hexahedra,
     vertices: usize,
 }
 
 impl SoFar {
-    fn new(written: &WrittenCells, cells: usize, path: &Path, sink: &mut Sink) -> Result<Self> {
+    fn new(written: &WrittenCells, tets: usize, path: &Path, sink: &mut Sink) -> Result<Self> {
         let (bytes, _) = bytes_of(path, sink.written()?, true)?;
-        let Span { offset, bytes: len, .. } = written.tetrahedra;
-        let wide = Column::shared("tetrahedra", Arc::clone(&bytes), offset as usize, len as usize / 16)?;
-        let narrow = Column::shared("tetrahedra", Arc::clone(&bytes), offset as usize, len as usize / 8)?;
         let vertices = written.file_from_vertex.len();
-        let tets = Tets::blocked(wide, narrow, written.block_ids.clone().into(), cells, vertices)?;
-        Ok(Self { bytes, tets, vertices })
+        let (column, ids) = (written.tetrahedra, written.block_ids.clone().into());
+        let wide = column.column("tetrahedra", &bytes)?;
+        let tets = Tets::blocked(wide, column.column("tetrahedra", &bytes)?, ids, tets, vertices)?;
+        let hexahedra = match &written.hexahedra {
+            Some(entry) => entry.column(&bytes, vertices)?,
+            None => Hexahedra::none(),
+        };
+        Ok(Self { bytes, tets, hexahedra, vertices })
     }
 
     /// Writes the ranges of the arrays' blocks.
     fn write_ranges(&self, arrays: &mut [ArrayEntry], sink: &mut Sink, tell: Tell) -> Result<()> {
         let count = arrays.len() as u64;
+        let Self { tets, hexahedra, .. } = self;
         for (i, array) in arrays.iter_mut().enumerate() {
-            let tuples = if array.association == Association::Point { self.vertices } else { self.tets.len() };
+            let cells = tets.len() + hexahedra.len();
+            let tuples = if array.association == Association::Point { self.vertices } else { cells };
             let (components, offset) = (array.components as usize, array.values.offset as usize);
             let bytes = Arc::clone(&self.bytes);
             let values = NumericColumn::shared(&array.number_type, &array.name, bytes, offset, tuples * components)?;
             let Some(values) = values else { continue };
-            for ranges in ranges::of_array(&self.tets, &values, array.association, components) {
-                let block_ranges = sink.whole(bytemuck::cast_slice(&ranges.blocks))?;
-                let (range, invalid_cells) = (ranges.range, ranges.invalid_cells);
-                array.ranges.push(RangeEntry { range, invalid_cells, block_ranges });
+            for ranges in ranges::of_array(Cells { tets, hexahedra }, &values, array.association, components) {
+                array.ranges.push(ranges.write(sink)?);
             }
             tell(Phase::Ranges, i as u64 + 1, count);
         }

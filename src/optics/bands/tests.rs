@@ -104,7 +104,7 @@ proptest! {
         low_high in (-1.0..5.0_f32, 0.0..2.0_f32),
     ) {
         let color = TransferFunction::parse_csv("0 1 0 0 9\n1.1 0 1 0.5 9\n2.3 0.25 1 1 9\n").unwrap();
-        for (passes, per_pass) in [(table.passes(0.5), 4), (table.glowing_passes(&color, 0.5), 2)] {
+        for (passes, per_pass) in [(table.passes(0.5), 4), (table.glowing_passes(&color, 0, 0.5), 2)] {
             prop_assert_eq!(passes.passes.len(), 7_usize.div_ceil(per_pass));
             for &s in &values {
                 let expected = table.eval(f64::from(s) + 0.5);

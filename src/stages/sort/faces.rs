@@ -60,7 +60,7 @@ impl<'a> Faces<'a> {
     /// Those of `dataset`. Where hexahedra are listed, faces are named by places: cells may adjoin by vertices of their own.
     pub(super) fn new(dataset: &'a Dataset) -> Self {
         let hexahedra = &dataset.hexahedra;
-        let are_listed = !hexahedra.is_empty() && hexahedra.blocks().is_empty();
+        let are_listed = !hexahedra.is_empty() && hexahedra.structured_blocks().is_empty();
         let positions = || Points::F32(dataset.positions.to_vec());
         let canonical_from_vertex = if are_listed { canonical_from_point(&positions()) } else { Vec::new() };
         Self { dataset, tets: dataset.tets.view(), hexahedra: hexahedra.view(), canonical_from_vertex }

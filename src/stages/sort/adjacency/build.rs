@@ -23,7 +23,7 @@ pub(super) type Rows = (Vec<[u32; TET_FACES]>, Vec<[u32; HEX_FACES]>);
 
 /// Makes the rows with at most `scratch_faces` faces at once, those of one vertex at least. Structured blocks have none.
 pub(super) fn build(dataset: &Dataset, scratch_faces: usize) -> Rows {
-    let are_listed = dataset.hexahedra.blocks().is_empty();
+    let are_listed = dataset.hexahedra.structured_blocks().is_empty();
     let hexahedra = if are_listed { dataset.hexahedra.len() } else { 0 };
     if hexahedra == 0 {
         build_with::<TetSide>(dataset, hexahedra, scratch_faces)

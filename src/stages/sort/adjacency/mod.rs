@@ -96,7 +96,7 @@ impl Adjacency {
             tets: &self.neighbours_from_tet,
             listed: &self.neighbours_from_hexahedron,
             hexahedra: dataset.hexahedra.view(),
-            blocks: dataset.hexahedra.blocks(),
+            blocks: dataset.hexahedra.structured_blocks(),
         }
     }
 }

@@ -115,7 +115,7 @@ fn whole_meshes() -> Vec<(&'static str, Dataset)> {
 /// The slow twin: faces as sets of places, compared all with all.
 fn places_twin(dataset: &Dataset) -> Vec<[u32; HEX_FACES]> {
     let place = |v: u32| dataset.positions[v as usize].map(|x| (x + 0.0).to_bits());
-    let is_structured = !dataset.hexahedra.blocks().is_empty();
+    let is_structured = !dataset.hexahedra.structured_blocks().is_empty();
     let mut sides: BTreeMap<Vec<[u32; 4]>, Vec<(u32, usize)>> = BTreeMap::new();
     for cell in 0..dataset.cells() {
         let vertex = dataset.corners(cell);
@@ -162,8 +162,11 @@ fn whole_cells_adjoin_where_their_faces_have_the_same_corners() {
         // Nothing is stored of blocks.
         let of_exterior = size_of_val(adjacency.exterior()) as u64;
         let stored = adjacency.owned_bytes() - of_exterior;
-        let expected =
-            if mesh.hexahedra.blocks().is_empty() { mesh.tets.len() * 16 + mesh.hexahedra.len() * 24 } else { 0 };
+        let expected = if mesh.hexahedra.structured_blocks().is_empty() {
+            mesh.tets.len() * 16 + mesh.hexahedra.len() * 24
+        } else {
+            0
+        };
         assert_eq!(stored, expected as u64, "{name}");
         for threads in [1, 2, 5] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
