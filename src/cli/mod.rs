@@ -11,6 +11,7 @@ mod drivers;
 mod failure;
 mod generate;
 mod info;
+mod meshes;
 mod messages;
 mod numbers;
 mod progress;

@@ -26,4 +26,5 @@ mod parity;
 mod polyhedron;
 mod real;
 mod reference;
+mod several;
 mod topological;

@@ -1,7 +1,7 @@
 //! From a [`StructuredMesh`] to tetrahedra: the corners of each cell are made when it is cut.
 
 use super::super::{StructuredBlock, StructuredMesh};
-use super::{Hidden, Scratch, Splitter};
+use super::{Hidden, Scratch, Splitter, check_position};
 use crate::cells::HEXAHEDRON;
 use crate::columns::{CellCounts, CellMesh, Dataset, StructuredCells, TetMesh};
 use crate::error::Result;
@@ -81,6 +81,23 @@ impl StructuredMesh {
         let (tets, file_from_tet) = (Vec::new().into(), Vec::new().into());
         let (hexahedra, file_from_hexahedron) = (hexahedra.into(), file_from_hexahedron.into());
         Dataset::from_cells(CellMesh { points, tets, file_from_tet, hexahedra, file_from_hexahedron, arrays, counts })
+    }
+
+    /// The cells that are drawn have positions.
+    ///
+    /// # Errors
+    /// [`Error::NonFinitePosition`](crate::Error::NonFinitePosition).
+    pub(in crate::io) fn check(&self) -> Result<()> {
+        let hidden = Hidden::of(self.arrays());
+        for block in self.blocks().iter().filter(|block| block.has_volume()) {
+            for in_block in (0..block.cells()).filter(|cell| !hidden.cell(block.first_cell() + cell)) {
+                let corners = block.corners(in_block);
+                if !corners.iter().any(|&point| hidden.point(point)) {
+                    corners.iter().try_for_each(|&point| check_position(self.points(), point))?;
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Cuts the mesh into tetrahedra and brings them into the order in which they are drawn.
