@@ -20,7 +20,9 @@ use super::progress::Progress;
 use super::{Outcome, meshes, stdout};
 
 #[derive(Args)]
-#[command(after_help = "Examples:\n  cellfan info mesh.vtu\n  cellfan info left.vtu right.vtu\n  cellfan info mesh.vtu --json | jq .arrays")]
+#[command(
+    after_help = "Examples:\n  cellfan info mesh.vtu\n  cellfan info left.vtu right.vtu\n  cellfan info mesh.vtu --json | jq .arrays"
+)]
 pub(super) struct Arguments {
     #[arg(required = true, value_name = "MESH", help = FORMATS)]
     meshes: Vec<PathBuf>,

@@ -60,7 +60,10 @@ fn read(bytes: &[u8], kind: &str, refused: &[&str], source: Source<'_>, choose: 
     for element in choose(found, source)? {
         let Some(path) = files.path(element, "file") else { continue };
         let path = path?;
-        if path.extension().is_some_and(|found| WITHOUT_VOLUME.iter().any(|without| found.eq_ignore_ascii_case(without))) {
+        if path
+            .extension()
+            .is_some_and(|found| WITHOUT_VOLUME.iter().any(|without| found.eq_ignore_ascii_case(without)))
+        {
             passed_over += 1;
             continue;
         }

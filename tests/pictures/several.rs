@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use cellfan::columns::Association;
 use cellfan::generate::Scheme;
 use cellfan::io::{self, Compression, Mesh, StructuredMesh, UnstructuredMesh, write_vtu};
 use cellfan::profile::Exactness;
@@ -47,9 +46,8 @@ fn one_after_the_other(meshes: [&TetMesh; 2], transfer: &TransferFunction, camer
 #[test]
 fn meshes_of_two_files_are_in_one_order() {
     let center = DVec3::splat(0.5);
-    let shell = |p: DVec3| p.distance(center) > 0.3;
-    let ball = |p: DVec3| p.distance(center) < 0.25;
-    let of_first_ring = |p: DVec3| (p - DVec3::new(0.35, 0.5, 0.5)).z.abs() < 0.08 && p.x < 0.65;
+    let shell = |p: DVec3| p.distance(center) > 0.4;
+    let ball = |p: DVec3| p.distance(center) < 0.2;
     let upper = |p: DVec3| p.z > 0.8 || ((p.x * 7.0).floor() as i32 % 2 != 0 && p.z > 0.2);
     let pairs: [(&str, [TetMesh; 2]); 3] = [
         ("rings", {
@@ -60,15 +58,14 @@ fn meshes_of_two_files_are_in_one_order() {
             let all = random_delaunay(8000);
             [true, false].map(|first| part(all.clone(), |p| combs(p) && upper(p) == first))
         }),
-        ("in a cavity", [part(random_delaunay(4000), shell), part(grid(4000, Scheme::Five, 0.2), ball)]),
+        ("in a cavity", [part(random_delaunay(12_000), shell), part(random_delaunay(11_000), ball)]),
     ];
-    let _ = of_first_ring;
     let transfer = smooth().scaled_extinction(3.0).unwrap();
     let folder = tempfile::tempdir().unwrap();
     for (name, meshes) in pairs {
         let paths = [0, 1].map(|i| folder.path().join(format!("{name} {i}.vtu")));
         for (path, mesh) in paths.iter().zip(&meshes) {
-            write_vtu(path, &UnstructuredMesh::from_tets(mesh), Compression::Raw).unwrap();
+            write_vtu(path, &UnstructuredMesh::from_tets(mesh), Compression::None).unwrap();
         }
         let case = case(io::open_all(&paths).unwrap());
         assert_eq!(case.dataset.tets.len(), meshes.iter().map(|mesh| mesh.tets.len()).sum::<usize>(), "{name}");
@@ -81,8 +78,8 @@ fn meshes_of_two_files_are_in_one_order() {
                 assert_eq!(rendered.order.exactness, Exactness::Exact, "{name}, {view}, {sort}");
                 assert!(errors.are_small() && errors.pixels > 500, "{name}, {view}, {sort}: {errors}");
             }
-            // The control: neither mesh lies behind the other.
-            for order in [[0, 1], [1, 0]] {
+            // The control: neither mesh lies behind the other, but for an eye in the cavity.
+            for order in [[0, 1], [1, 0]].into_iter().filter(|_| (name, view) != ("in a cavity", "inside")) {
                 let image = one_after_the_other(order.map(|i| &meshes[i]), &transfer, &camera);
                 let errors = rays.errors(&image, Model::EmissionAbsorption, &transfer, usize::MAX);
                 assert!(errors.max > 0.01, "{name}, {view}: {errors}");
@@ -107,21 +104,23 @@ fn two_blocks(n: usize, jitter: f64, precision: fn(Vec<DVec3>) -> Points) -> [St
         p + DVec3::new(inner(p.x) * shift(), inner(p.y) * shift(), inner(p.z) * shift())
     };
     let all: Vec<DVec3> = (0..(n + 1).pow(3))
-        .map(|i| place(DVec3::new((i % (n + 1)) as f64, (i / (n + 1) % (n + 1)) as f64, (i / (n + 1) / (n + 1)) as f64) / n as f64))
+        .map(|i| {
+            place(
+                DVec3::new((i % (n + 1)) as f64, (i / (n + 1) % (n + 1)) as f64, (i / (n + 1) / (n + 1)) as f64)
+                    / n as f64,
+            )
+        })
         .collect();
     let at = |i: usize, j: usize, k: usize| all[i + (n + 1) * (j + (n + 1) * k)];
     let half = n / 2;
     let first = (0..=n).flat_map(|k| (0..=n).flat_map(move |j| (0..=half).map(move |i| [i, j, k])));
-    // k downwards fastest, then i, then j backwards.
-    let second = (0..=n).rev().flat_map(|j| (half..=n).flat_map(move |i| (0..=n).rev().map(move |k| [i, j, k])));
+    // k fastest, then i, then j backwards: the lowest corner of a face between the blocks is another one.
+    let second = (0..=n).rev().flat_map(|j| (half..=n).flat_map(move |i| (0..=n).map(move |k| [i, j, k])));
     let block = |dims: [usize; 3], points: Vec<[usize; 3]>| {
         let points = points.into_iter().map(|[i, j, k]| at(i, j, k)).collect();
         StructuredMesh::new(&[dims], precision(points), Vec::new()).unwrap()
     };
-    [
-        block([half + 1, n + 1, n + 1], first.collect()),
-        block([n + 1, n - half + 1, n + 1], second.collect()),
-    ]
+    [block([half + 1, n + 1, n + 1], first.collect()), block([n + 1, n - half + 1, n + 1], second.collect())]
 }
 
 fn single(points: Vec<DVec3>) -> Points {
@@ -132,40 +131,43 @@ fn double(points: Vec<DVec3>) -> Points {
     Points::F64(points.into_iter().map(|p| p.to_array()).collect())
 }
 
-/// As files have it whose cells are listed.
-fn listed(mesh: StructuredMesh) -> Mesh {
-    UnstructuredMesh::from_tets(&mesh.into_tets().unwrap()).into()
+/// The largest error of a homogeneous cube's opacity at any pixel, 1 − e^(−κL) for the chord L.
+fn largest_error(dataset: &Dataset, camera: &Camera) -> f64 {
+    let extinction = 2.0;
+    let transfer = TransferFunction::new(vec![point(0.0, [0.9, 0.7, 0.5], extinction)]).unwrap();
+    let scene = Scene::new(dataset.clone(), dataset.homogeneous_field(), &transfer);
+    let image = Renderer::new(RenderOptions::default()).render(&scene, camera).unwrap().image;
+    let pixels = (0..camera.height).flat_map(|y| (0..camera.width).map(move |x| (x, y)));
+    let error = |(x, y)| {
+        let expected = -(-extinction * chord_of_unit_cube(camera, x, y, 0.0)).exp_m1();
+        (f64::from(image.pixel(x, y)[3]) - expected).abs()
+    };
+    pixels.map(error).fold(0.0, f64::max)
 }
 
 #[test]
 fn blocks_that_touch_have_no_seam() {
-    let extinction = 2.0;
-    let transfer = TransferFunction::new(vec![point(0.0, [0.9, 0.7, 0.5], extinction)]).unwrap();
-    for jitter in [0.0, 0.3] {
-        for (what, precision) in [("single", single as fn(Vec<DVec3>) -> Points), ("double", double)] {
-            let blocks = || two_blocks(12, jitter, precision);
-            let whole = |meshes: [Mesh; 2]| join(meshes).into_whole_dataset().unwrap();
+    for jitter in [0.0, 0.12] {
+        for (precision, points) in [("single", single as fn(Vec<DVec3>) -> Points), ("double", double)] {
+            let blocks = || two_blocks(12, jitter, points);
             let [first, second] = blocks();
+            let listed = join([second.into(), UnstructuredMesh::empty().into()]);
+            assert!(matches!(listed, Mesh::Unstructured(_)));
             let datasets = [
-                ("whole blocks", whole(blocks().map(Mesh::from))),
+                ("whole blocks", join(blocks().map(Mesh::from)).into_whole_dataset().unwrap()),
                 ("split blocks", join(blocks().map(Mesh::from)).into_dataset().unwrap()),
-                ("block and tetrahedra", whole([first.into(), listed(second)])),
+                ("a block and listed cells", join([first.into(), listed]).into_whole_dataset().unwrap()),
             ];
-            for (kind, dataset) in datasets {
-                let scene = Scene::new(dataset.clone(), dataset.homogeneous_field(), &transfer);
-                for (view, camera) in three_views(160, 120) {
-                    let image = Renderer::new(RenderOptions::default()).render(&scene, &camera).unwrap().image;
-                    let mut worst = (0.0_f64, (0, 0));
-                    for (x, y) in (0..120).flat_map(|y| (0..160).map(move |x| (x, y))) {
-                        let chord = chord_of_unit_cube(&camera, x, y, 0.0);
-                        let expected = -(-extinction * chord).exp_m1();
-                        let error = (f64::from(image.pixel(x, y)[3]) - expected).abs();
-                        if error > worst.0 {
-                            worst = (error, (x, y));
-                        }
-                    }
-                    println!("jitter {jitter} {what} {kind:20} {view:9} {worst:?}");
+            for (view, camera) in three_views(160, 120) {
+                for (kind, dataset) in &datasets {
+                    let error = largest_error(dataset, &camera);
+                    println!("jitter {jitter}, {precision}, {kind:24}, {view:9} {error:.1e}");
+                    assert!(error < 1e-5, "jitter {jitter}, {precision}, {kind}, {view}: {error:.1e}");
                 }
+                // The control: blocks that are cut one by one do not agree on the diagonals between them.
+                let apart = join(blocks().map(|block| unstructured(&block.into_tets().unwrap())));
+                let error = largest_error(&apart.into_dataset().unwrap(), &camera);
+                assert!((error > 1e-3) == (jitter > 0.0), "jitter {jitter}, {precision}, {view}: {error:.1e}");
             }
         }
     }
@@ -176,7 +178,8 @@ fn blocks_that_touch_have_no_seam() {
 fn overlapping_meshes_are_drawn_by_entry_whichever_comes_first() {
     let transfer = smooth().scaled_extinction(2.0).unwrap();
     let still = random_delaunay(3000);
-    let turned = moved(grid(2500, Scheme::Six, 0.2), |p| DVec3::new(0.31, 0.27, 0.23) + DVec3::new(p.y, p.z, p.x) * 0.61);
+    let turned =
+        moved(grid(2500, Scheme::Six, 0.2), |p| DVec3::new(0.31, 0.27, 0.23) + DVec3::new(p.y, p.z, p.x) * 0.61);
     let both = |order: [&TetMesh; 2]| case(join(order.map(unstructured)).into_dataset().unwrap());
     let (forth, back) = (both([&still, &turned]), both([&turned, &still]));
     for (view, camera) in three_views(96, 72) {
@@ -186,12 +189,19 @@ fn overlapping_meshes_are_drawn_by_entry_whichever_comes_first() {
             let (a, b) = (forth.render(options, &transfer, &camera), back.render(options, &transfer, &camera));
             let difference = a.image.difference(&b.image, [0.0; 4]).unwrap();
             let errors = rays.errors(&a.image, model, &transfer, usize::MAX);
-            println!("{view:9} {model:20} {errors} {difference:?} {:?}", a.order);
+            println!("{view:9} {model:20} {errors} {:?}", a.order);
+            // The reference defines it: segments by entry, each whole.
+            assert!(errors.are_small() && errors.pixels > 2000, "{view}, {model}: {errors}");
+            assert!(difference.max <= 1e-6, "{view}, {model}: {difference:?}");
+            if model == Model::EmissionAbsorption {
+                assert!(a.order.violations > Some(0) && a.order.tiles_redone > 0, "{view}: {:?}", a.order);
+            }
         }
+        // A graph of cells presumes that they are disjoint; the fragments show it.
         let options = RenderOptions { sort: SortMethod::Topological, ..RenderOptions::default() };
         let rendered = forth.render(options, &transfer, &camera);
         let errors = rays.errors(&rendered.image, Model::EmissionAbsorption, &transfer, usize::MAX);
         println!("{view:9} topological {errors} {:?}", rendered.order);
+        assert!(rendered.order.violations > Some(1000) && errors.max > 0.01, "{view}: {errors}");
     }
-    assert_eq!(forth.field.association, Association::Point);
 }

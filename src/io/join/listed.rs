@@ -12,7 +12,8 @@ use crate::io::{Scratch, StructuredBlock, StructuredMesh, UnstructuredMesh};
 pub(super) fn of_blocks(mesh: StructuredMesh, scratch: &Scratch) -> Result<UnstructuredMesh> {
     let blocks = mesh.blocks().to_vec();
     let (points, arrays) = mesh.into_columns();
-    let cells = blocks.iter().flat_map(|block| (0..block.cells()).map(move |cell| (block.code(), corners_of(block, cell))));
+    let cells =
+        blocks.iter().flat_map(|block| (0..block.cells()).map(move |cell| (block.code(), corners_of(block, cell))));
     list(points, cells, arrays, scratch)
 }
 
