@@ -39,8 +39,9 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Outcome {
     let paths = &arguments.meshes;
-    for path in paths.iter().filter(|_| arguments.check) {
-        check(path, !arguments.no_mmap)?;
+    if arguments.check {
+        paths.iter().try_for_each(|path| must_be_container(path))?;
+        paths.iter().try_for_each(|path| check(path, !arguments.no_mmap))?;
     }
     let report = {
         let _progress = meshes::reading(paths);
@@ -52,12 +53,17 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
     stdout::write(&if arguments.json { report.to_json() } else { report.to_string() })
 }
 
+/// Other files have nothing to be checked by.
+fn must_be_container(path: &Path) -> cellfan::Result<()> {
+    if path.is_file() && container::is_container(path)? {
+        return Ok(());
+    }
+    let problem = format!("\"{}\" is no container: it is checked whenever it is read", path.display());
+    Err(Error::Option { option: "--check", problem })
+}
+
 /// Checks a container through and through, and says so.
 fn check(path: &Path, use_map: bool) -> cellfan::Result<()> {
-    if !(path.is_file() && container::is_container(path)?) {
-        let problem = format!("\"{}\" is no container: it is checked whenever it is read", path.display());
-        return Err(Error::Option { option: "--check", problem });
-    }
     let _progress = Progress::running(format!("checking {}", path.display()));
     let checked = container::check(path, use_map)?;
     let columns = count(checked.columns, "column");

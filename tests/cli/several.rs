@@ -55,13 +55,13 @@ fn files_containers_and_multi_block_files_give_one_picture() {
     place.run("convert a.vtu b.vtu c.vtu all.cells".split(' ')).succeeds();
     place.run("convert b.vtu b.cells".split(' ')).succeeds();
     let draw = |meshes: &str, more: &str| {
-        let arguments = format!("render {meshes} --size 60x40 --view 10,15 -o out.npy {more}");
+        let arguments = format!("render {meshes} --size 60x40 --view -70,20 -o out.npy {more}");
         let ran = place.run(arguments.split_whitespace()).succeeds();
         (npy(&place.path("out.npy")).1, ran.err)
     };
     let (expected, note) = draw("a.vtu b.vtu c.vtu", "");
     assert!(note.contains("a.vtu, b.vtu, c.vtu: 3 cells; point array \"value\""), "{note}");
-    assert!(expected.iter().filter(|&&value| value > 0.0).count() > 500, "blank");
+    assert!(expected.iter().filter(|&&value| value > 0.0).count() > 200, "blank");
     for meshes in
         ["all.vtm", "series.pvd", "all.cells", "a.vtu b.cells c.vtu", "c.vtu a.vtu b.vtu", "all.vtm --memory 1Gi"]
     {
@@ -90,7 +90,7 @@ fn cells_without_a_value_are_not_drawn_and_that_is_said() {
     place.write("e.vtu", &tetrahedron(8.0, "0 1 0 0", &of_cell("own", 3.0)).replace("'value'", "'third'"));
     let ran = place.run("render a.vtu e.vtu --size 8x8 -o out.png".split(' ')).succeeds();
     assert!(ran.err.contains("cell array \"own\""), "{}", ran.err);
-    place.run("render a.vtu d.vtu --array none".split(' ')).fails(1, &["a.vtu, d.vtu", "value, other, own"]);
+    place.run("render a.vtu d.vtu --array none -q".split(' ')).fails(1, &["a.vtu, d.vtu", "value, own, other"]);
 }
 
 #[test]
@@ -147,7 +147,7 @@ fn what_is_wrong_names_its_file_and_writes_nothing() {
             if (verb, meshes) == ("info", "only.vtm") {
                 continue;
             }
-            place.run(format!("{verb} {meshes} {output}").split_whitespace()).fails(1, &parts);
+            place.run(format!("{verb} {meshes} {output} -q").split_whitespace()).fails(1, &parts);
             assert_eq!(place.names(), before, "{verb} {meshes}");
         }
     }
