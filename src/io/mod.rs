@@ -80,17 +80,20 @@ pub fn open_with(path: &Path, use_map: bool) -> Result<Dataset> {
     open_mesh(path)?.into_dataset().map_err(|error| error.in_file(path))
 }
 
-/// Reads several files of any format as one mesh, made ready to draw in one visibility order.
+/// Reads several files of any format as one mesh, made ready to draw in one visibility order; a single one as [`open`] does.
 ///
 /// # Errors
-/// Those of [`open_meshes`] and [`Mesh::into_dataset`].
+/// Those of [`open`], [`open_meshes`] and [`Mesh::into_dataset`].
 ///
 /// ```no_run
 /// let data = cellfan::io::open_all(&["rotor.vtu", "stator.vtu"])?;
 /// # Ok::<(), cellfan::Error>(())
 /// ```
 pub fn open_all<P: AsRef<Path>>(paths: &[P]) -> Result<Dataset> {
-    open_meshes(paths)?.into_dataset()
+    match paths {
+        [path] => open(path.as_ref()),
+        _ => open_meshes(paths)?.into_dataset(),
+    }
 }
 
 /// Reads several files of any format as one mesh, joined as [`Mesh::join`] does, the first file's points and cells first.

@@ -103,14 +103,8 @@ fn two_blocks(n: usize, jitter: f64, precision: fn(Vec<DVec3>) -> Points) -> [St
         let mut shift = || 2.0 * f64::from(random.below(1 << 30)) / f64::from(1 << 30) - 1.0;
         p + DVec3::new(inner(p.x) * shift(), inner(p.y) * shift(), inner(p.z) * shift())
     };
-    let all: Vec<DVec3> = (0..(n + 1).pow(3))
-        .map(|i| {
-            place(
-                DVec3::new((i % (n + 1)) as f64, (i / (n + 1) % (n + 1)) as f64, (i / (n + 1) / (n + 1)) as f64)
-                    / n as f64,
-            )
-        })
-        .collect();
+    let grid = (0..=n).flat_map(|k| (0..=n).flat_map(move |j| (0..=n).map(move |i| [i, j, k])));
+    let all: Vec<DVec3> = grid.map(|ijk| place(DVec3::from_array(ijk.map(|c| c as f64 / n as f64)))).collect();
     let at = |i: usize, j: usize, k: usize| all[i + (n + 1) * (j + (n + 1) * k)];
     let half = n / 2;
     let first = (0..=n).flat_map(|k| (0..=n).flat_map(move |j| (0..=half).map(move |i| [i, j, k])));

@@ -9,8 +9,8 @@ use crate::io::assemble::{GHOST_LEVELS, GHOST_TYPE};
 use crate::io::numbers;
 use crate::io::scratch::{Scratch, collect};
 
-/// Values that are made up for arrays that meshes lack may be this many times those that are there: blocks that all have
-/// arrays of their own would grow as the square of their number.
+/// Values that are made up for arrays that meshes lack may be this many times the numbers that are there (coordinates, cells,
+/// values): blocks that all have arrays of their own would grow as the square of their number.
 const MOST_MADE_UP: usize = 64;
 
 /// Arrays that a message lists.
@@ -26,8 +26,11 @@ struct Same<'a> {
 /// The arrays over all points and cells: first those that every part has, then those that some lack.
 pub(super) fn join(parts: &[Part], scratch: &Scratch) -> Result<Vec<Array>> {
     let all = matched(parts);
-    let values = parts.iter().flat_map(|part| part.mesh.arrays()).map(|array| array.values.len()).sum::<usize>();
-    let mut left = values.saturating_mul(MOST_MADE_UP);
+    let numbers = |Part { mesh, .. }: &Part| {
+        let of_arrays: usize = mesh.arrays().iter().map(|array| array.values.len()).sum();
+        3 * mesh.points().len() + mesh.cells() + of_arrays
+    };
+    let mut left = parts.iter().map(numbers).sum::<usize>().saturating_mul(MOST_MADE_UP);
     let (mut complete, mut partial) = (Vec::new(), Vec::new());
     let (mut lacking, mut left_out) = (Vec::new(), Vec::new());
     for same in &all {
