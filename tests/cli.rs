@@ -21,6 +21,8 @@ mod memory;
 mod other_verbs;
 #[path = "cli/render.rs"]
 mod render;
+#[path = "cli/several.rs"]
+mod several;
 
 use std::ffi::OsStr;
 use std::io::Read;

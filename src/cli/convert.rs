@@ -1,4 +1,4 @@
-//! `convert`: a mesh of any format as a container.
+//! `convert`: a mesh of any format, or several, as a container.
 
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -7,19 +7,20 @@ use std::time::Instant;
 use cellfan::Error;
 use cellfan::columns::CellSource;
 use cellfan::io::container::{self, Phase, WriteOptions, Written};
-use cellfan::io::{Scratch, WholeCells, check_target, open_mesh_in};
+use cellfan::io::{Scratch, WholeCells, check_target, open_meshes_in};
 use clap::Args;
 
-use super::Outcome;
 use super::arguments::{Cells, bytes as memory, one_of};
+use super::meshes::FORMATS;
 use super::numbers::{bytes, count};
 use super::progress::Progress;
+use super::{Outcome, meshes};
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
-    /// The mesh: .vtu, .vts, .vtr or parallel (.pvtu …), .vtk, or PLOT3D (.xyz, .x, .p3d, .bin).
-    mesh: PathBuf,
+    #[arg(required = true, value_name = "MESH", help = FORMATS)]
+    meshes: Vec<PathBuf>,
     /// The container to write.
     #[arg(value_name = "OUT.cells")]
     output: PathBuf,
@@ -41,13 +42,14 @@ const EXAMPLES: &str = "\
 Examples:
   cellfan convert mesh.vtu mesh.cells
   cellfan convert --cells tetrahedra --adjacency grid.vts tetrahedra.cells
+  cellfan convert left.vtu right.vtu both.cells
   cellfan convert --memory 500M huge.vtu huge.cells";
 
 pub(super) fn run(arguments: &Arguments) -> Outcome {
-    let (path, output) = (&arguments.mesh, &arguments.output);
+    let (paths, output) = (&arguments.meshes, &arguments.output);
     check_name(output)?;
     check_target(output)?;
-    if path.is_file() && container::is_container(path)? {
+    if let Some(path) = meshes::one_container(paths)? {
         let problem = format!("\"{}\" is a container already", path.display());
         return Err(Error::Option { option: "MESH", problem }.into());
     }
@@ -57,10 +59,10 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
     let scratch = Scratch::in_folder(folder, memory_bytes / 2);
     let options = WriteOptions { memory_bytes: memory_bytes / 2, adjacency: arguments.adjacency };
     let mesh = {
-        let _progress = Progress::running(format!("reading {}", path.display()));
-        open_mesh_in(path, &scratch)?
+        let _progress = meshes::reading(paths);
+        open_meshes_in(paths, &scratch)?
     };
-    let in_file = |error: Error| error.in_file(path);
+    let in_file = |error: Error| error.in_file(meshes::label(paths));
     if arguments.cells == Cells::Tetrahedra {
         let tets = {
             let _progress = Progress::running("cutting cells");

@@ -1,4 +1,4 @@
-//! `info`: what a mesh file holds and what of it would be drawn, for people or as JSON.
+//! `info`: what a mesh file, or several, hold and what of it would be drawn, for people or as JSON.
 
 mod kinds;
 mod report;
@@ -8,22 +8,25 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use cellfan::columns::{self, Array, ArrayRanges, CellCounts, Points, ValueRanges};
-use cellfan::io::{Mesh, StructuredBlock, container, formats, open_mesh};
+use cellfan::io::{Mesh, StructuredBlock, container, formats, open_meshes};
 use cellfan::{Dataset, Error};
 use clap::Args;
 use kinds::KindCount;
 use rayon::prelude::*;
-use report::{ArrayReport, Drawn, Range, Report};
+use report::{ArrayReport, Drawn, FileReport, Range, Report};
 
+use super::meshes::FORMATS;
 use super::numbers::{bytes, count};
 use super::progress::Progress;
-use super::{Outcome, stdout};
+use super::{Outcome, meshes, stdout};
 
 #[derive(Args)]
-#[command(after_help = "Examples:\n  cellfan info mesh.vtu\n  cellfan info mesh.vtu --json | jq .arrays")]
+#[command(
+    after_help = "Examples:\n  cellfan info mesh.vtu\n  cellfan info left.vtu right.vtu\n  cellfan info mesh.vtu --json | jq .arrays"
+)]
 pub(super) struct Arguments {
-    /// The mesh: .cells, .vtu, .vts, .vtr or parallel (.pvtu …), .vtk, or PLOT3D (.xyz, .x, .p3d, .bin).
-    mesh: PathBuf,
+    #[arg(required = true, value_name = "MESH", help = FORMATS)]
+    meshes: Vec<PathBuf>,
     /// Write JSON.
     #[arg(long)]
     json: bool,
@@ -36,32 +39,44 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Outcome {
-    let path = &arguments.mesh;
-    let is_container = path.is_file() && container::is_container(path)?;
-    if arguments.check && !is_container {
-        let problem = format!("\"{}\" is no container: it is checked whenever it is read", path.display());
-        return Err(Error::Option { option: "--check", problem }.into());
-    }
+    let paths = &arguments.meshes;
     if arguments.check {
-        let _progress = Progress::running(format!("checking {}", path.display()));
-        let checked = container::check(path, !arguments.no_mmap)?;
-        let columns = count(checked.columns, "column");
-        tracing::info!("{}: {columns} of {} checked, all right", path.display(), bytes(checked.bytes));
+        paths.iter().try_for_each(|path| must_be_container(path))?;
+        paths.iter().try_for_each(|path| check(path, !arguments.no_mmap))?;
     }
     let report = {
-        let _progress = Progress::running(format!("reading {}", path.display()));
-        if is_container {
-            let kinds = container::cells_by_kind(path, !arguments.no_mmap)?.into_iter().map(kinds::of_kind).collect();
-            report_container(path, &container::open(path, !arguments.no_mmap)?, kinds)
-        } else {
-            let mesh = open_mesh(path)?;
-            report(path, mesh).map_err(|error| error.in_file(path))?
+        let _progress = meshes::reading(paths);
+        match meshes::one_container(paths)? {
+            Some(path) => {
+                let kinds =
+                    container::cells_by_kind(path, !arguments.no_mmap)?.into_iter().map(kinds::of_kind).collect();
+                report_container(path, &container::open(path, !arguments.no_mmap)?, kinds)
+            }
+            None => report(paths, open_meshes(paths)?).map_err(|error| error.in_file(meshes::label(paths)))?,
         }
     };
     stdout::write(&if arguments.json { report.to_json() } else { report.to_string() })
 }
 
-fn report(path: &Path, mesh: Mesh) -> cellfan::Result<Report> {
+/// Other files have nothing to be checked by.
+fn must_be_container(path: &Path) -> cellfan::Result<()> {
+    if path.is_file() && container::is_container(path)? {
+        return Ok(());
+    }
+    let problem = format!("\"{}\" is no container: it is checked whenever it is read", path.display());
+    Err(Error::Option { option: "--check", problem })
+}
+
+/// Checks a container through and through, and says so.
+fn check(path: &Path, use_map: bool) -> cellfan::Result<()> {
+    let _progress = Progress::running(format!("checking {}", path.display()));
+    let checked = container::check(path, use_map)?;
+    let columns = count(checked.columns, "column");
+    tracing::info!("{}: {columns} of {} checked, all right", path.display(), bytes(checked.bytes));
+    Ok(())
+}
+
+fn report(paths: &[PathBuf], mesh: Mesh) -> cellfan::Result<Report> {
     let points = mesh.points().len() as u64;
     let kinds = kinds::count(&mesh.cells_by_code());
     let dims = match &mesh {
@@ -79,8 +94,7 @@ fn report(path: &Path, mesh: Mesh) -> cellfan::Result<Report> {
         Err(error) => return Err(error),
     };
     Ok(Report {
-        file: path.display().to_string(),
-        format: format_name(path),
+        files: paths.iter().map(|path| FileReport::new(path, format_name(path))).collect(),
         points,
         cells: counts.in_file,
         kinds,
@@ -115,8 +129,7 @@ fn report_container(path: &Path, dataset: &Dataset, kinds: Vec<KindCount>) -> Re
     let corner = |p: glam::Vec3| (dataset.origin + p.as_dvec3()).to_array();
     let dims = |block: &columns::StructuredBlock| block.dims.map(|points| points as usize);
     Report {
-        file: path.display().to_string(),
-        format: "cellfan container",
+        files: vec![FileReport::new(path, CONTAINER)],
         points: dataset.positions.len() as u64,
         cells: dataset.cells() as u64,
         kinds,
@@ -169,8 +182,14 @@ fn bounds(points: &Points) -> Option<[[f64; 3]; 2]> {
     Some([[x0, y0, z0], [x1, y1, z1]])
 }
 
+/// What containers are called.
+const CONTAINER: &str = "cellfan container";
+
 /// The format, found as the reader finds it.
 fn format_name(path: &Path) -> &'static str {
+    if path.is_file() && container::is_container(path).unwrap_or(false) {
+        return CONTAINER;
+    }
     let mut head = Vec::new();
     let read = File::open(path).and_then(|file| file.take(formats::HEAD_BYTES as u64).read_to_end(&mut head));
     read.ok().and_then(|_| formats::find(&head, path).ok()).map_or("unknown", |format| format.name)

@@ -11,6 +11,7 @@ mod drivers;
 mod failure;
 mod generate;
 mod info;
+mod meshes;
 mod messages;
 mod numbers;
 mod progress;
@@ -38,11 +39,11 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Draw a mesh.
+    /// Draw a mesh, or several as one.
     Render(Box<render::Arguments>),
     /// Say what is in a mesh file and what of it would be drawn.
     Info(info::Arguments),
-    /// Write a mesh as a container, which is opened at once and drawn in place.
+    /// Write a mesh, or several as one, as a container, which is opened at once and drawn in place.
     Convert(convert::Arguments),
     /// Write a mesh with an analytic field.
     Generate(generate::Arguments),

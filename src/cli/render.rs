@@ -15,7 +15,7 @@ mod summary;
 mod transfer;
 mod view;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use cellfan::image::{Encoding, Format};
@@ -37,11 +37,11 @@ use view::ViewSource;
 
 use super::arguments::Cells;
 use super::progress::Progress;
-use super::{Outcome, stdout};
+use super::{Outcome, meshes, stdout};
 
 pub(super) fn run(arguments: &Arguments) -> Outcome {
-    let path = one_mesh(arguments)?;
-    let output_path = arguments.output_path(path);
+    let label = meshes::label(&arguments.meshes);
+    let output_path = arguments.output_path();
     let options = options(arguments, &output_path)?;
     let mut backend = Backend::choose(arguments)?;
     let encoding = encoding(arguments);
@@ -53,16 +53,17 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
     let view = ViewSource::load(arguments)?;
 
     if arguments.memory.is_some() {
+        meshes::check_budget(&arguments.meshes)?;
         heap::give_back_early();
     }
     let mut before = Profile::default();
     let is_whole = arguments.cells != Some(Cells::Tetrahedra);
-    let mut dataset = read(path, !arguments.no_mmap, is_whole, &mut before)?;
+    let mut dataset = read(&arguments.meshes, !arguments.no_mmap, is_whole, &mut before)?;
     let start = Instant::now();
-    let (bands, band_note) = bands.make(&dataset).map_err(|error| error.in_file(path))?;
+    let (bands, band_note) = bands.make(&dataset).map_err(|error| error.in_file(&label))?;
     let field = match bands.first_array() {
         Some(field) => field.clone(),
-        None => array::choose(&dataset, arguments.array.as_deref()).map_err(|error| error.in_file(path))?,
+        None => array::choose(&dataset, arguments.array.as_deref()).map_err(|error| error.in_file(&label))?,
     };
     let (transfer, note) = match band_note {
         // Bands that do not glow have no use for colours; arrays glow white where nothing else is said.
@@ -77,10 +78,10 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         }
     };
     let (camera, view_note) = view.make(&dataset)?;
-    let summary = Summary::new(path, &dataset, &field, &view_note, &note);
+    let summary = Summary::new(&label, &dataset, &field, &view_note, &note);
     // The arrays are not needed any more.
     dataset.arrays = Vec::new();
-    let scene = bands.give_to(Scene::new(dataset, field, &transfer)).map_err(|error| error.in_file(path))?;
+    let scene = bands.give_to(Scene::new(dataset, field, &transfer)).map_err(|error| error.in_file(&label))?;
     before.add("field", start.elapsed(), 0);
     before.sample_memory();
 
@@ -165,11 +166,11 @@ impl Frames {
     }
 }
 
-/// Reads the mesh and puts its cells in order.
-fn read(path: &Path, use_map: bool, is_whole: bool, profile: &mut Profile) -> cellfan::Result<Dataset> {
-    let _progress = Progress::running(format!("reading {}", path.display()));
+/// Reads the meshes as one and puts its cells in order.
+fn read(paths: &[PathBuf], use_map: bool, is_whole: bool, profile: &mut Profile) -> cellfan::Result<Dataset> {
+    let _progress = meshes::reading(paths);
     let start = Instant::now();
-    if path.is_file() && container::is_container(path)? {
+    if let Some(path) = meshes::one_container(paths)? {
         let dataset = container::open(path, use_map)?;
         profile.add("read", start.elapsed(), if use_map { 0 } else { path.metadata().map_or(0, |file| file.len()) });
         if is_whole || dataset.hexahedra.is_empty() {
@@ -179,25 +180,14 @@ fn read(path: &Path, use_map: bool, is_whole: bool, profile: &mut Profile) -> ce
         profile.sample_memory();
         return tetrahedra;
     }
-    let mesh = io::open_mesh(path)?;
-    let bytes = path.metadata().map_or(0, |file| file.len());
+    let mesh = io::open_meshes(paths)?;
+    let bytes = paths.iter().map(|path| path.metadata().map_or(0, |file| file.len())).sum();
     profile.add("read", start.elapsed(), bytes);
     profile.sample_memory();
     let into_dataset = || if is_whole { mesh.into_whole_dataset() } else { mesh.into_dataset() };
-    let dataset = profile.time("order", into_dataset).map_err(|error| error.in_file(path));
+    let dataset = profile.time("order", into_dataset).map_err(|error| error.in_file(meshes::label(paths)));
     profile.sample_memory();
     dataset
-}
-
-/// This version draws one mesh.
-fn one_mesh(arguments: &Arguments) -> cellfan::Result<&Path> {
-    match arguments.meshes.as_slice() {
-        [path] => Ok(path),
-        more => {
-            let problem = format!("{} meshes were given; this version draws one at a time", more.len());
-            Err(Error::Option { option: "MESH", problem })
-        }
-    }
 }
 
 fn options(arguments: &Arguments, path: &Path) -> cellfan::Result<RenderOptions> {

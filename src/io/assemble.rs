@@ -9,13 +9,13 @@ mod splitter;
 mod structured;
 
 use self::hidden::Hidden;
-pub(super) use self::hidden::{DUPLICATE_CELL, GHOST_TYPE, HIDDEN_CELL, HIDDEN_POINT};
+pub(super) use self::hidden::{DUPLICATE_CELL, GHOST_LEVELS, GHOST_TYPE, HIDDEN_CELL, HIDDEN_POINT};
 use self::splitter::Splitter;
 use super::UnstructuredMesh;
 use super::scratch::Scratch;
 use super::source::quote;
 use crate::cells::{self, CellClass, CellKind, Nodes};
-use crate::columns::{Array, Association, CellCounts, CellMesh, Dataset, TetMesh};
+use crate::columns::{Array, Association, CellCounts, CellMesh, Dataset, Points, TetMesh};
 use crate::error::{Error, Result};
 
 impl UnstructuredMesh {
@@ -43,6 +43,7 @@ impl UnstructuredMesh {
             tets.split(kind, corners, cell as usize)
         })?;
         counts.split = split;
+        self.warn_of_kinds(&counts);
         let (tets, file_from_tet) = tets.finish()?;
         let Self { points, arrays, .. } = self;
         Ok(TetMesh { points, tets, file_from_tet, arrays, counts })
@@ -72,10 +73,35 @@ impl UnstructuredMesh {
             hexahedra.push(hexahedron.map(|corner| corners[corner]))?;
             file_from_hexahedron.push(cell)
         })?;
+        self.warn_of_kinds(&counts);
         let (tets, file_from_tet) = (tets.finish()?, file_from_tet.finish()?);
         let (hexahedra, file_from_hexahedron) = (hexahedra.finish()?, file_from_hexahedron.finish()?);
         let Self { points, arrays, .. } = self;
         Ok(CellMesh { points, tets, file_from_tet, hexahedra, file_from_hexahedron, arrays, counts })
+    }
+
+    /// Checks the mesh by itself: everything that names a point or an entry, and the positions of what is drawn.
+    ///
+    /// # Errors
+    /// Those of [`UnstructuredMesh::into_tets`] and [`Error::NonFinitePosition`].
+    pub(super) fn check(&self) -> Result<()> {
+        let are_finite = |_, kind: &CellKind, corners: &[u32]| {
+            corners.iter().take(kind.corners).try_for_each(|&point| check_position(&self.points, point))
+        };
+        self.for_each_volume(are_finite).map(drop)
+    }
+
+    /// Names the first cell of a kind that is not drawn, where there is one.
+    fn warn_of_kinds(&self, counts: &CellCounts) {
+        let unsupported = |(cell, &code): (usize, &u8)| match cells::classify(code) {
+            CellClass::Unsupported(name) => Some((cell, code, name)),
+            _ => None,
+        };
+        if counts.unsupported > 0
+            && let Some((cell, code, kind)) = self.types.iter().enumerate().find_map(unsupported)
+        {
+            tracing::warn!(cell, code, kind, "cells of this kind are not drawn");
+        }
     }
 
     /// Checks the mesh, counts its cells, and hands those that are drawn to `take`: number, kind and nodes, corners first.
@@ -86,10 +112,7 @@ impl UnstructuredMesh {
         for (cell, &code) in self.types.iter().enumerate() {
             let corners = corners_of(self, cell)?;
             let (kind, nodes) = match cells::classify(code) {
-                CellClass::Unsupported(name) => {
-                    if counts.unsupported == 0 {
-                        tracing::warn!(cell, code, kind = name, "cells of this kind are not drawn");
-                    }
+                CellClass::Unsupported(_) => {
                     counts.unsupported += 1;
                     continue;
                 }
@@ -163,6 +186,15 @@ pub(super) fn check_lengths(arrays: &[Array], points: u64, cells: u64) -> Result
         }
     }
     Ok(())
+}
+
+/// The point, which exists, has a position.
+fn check_position(points: &Points, point: u32) -> Result<()> {
+    let position = points.get(point as usize);
+    if position.is_finite() {
+        return Ok(());
+    }
+    Err(Error::NonFinitePosition { point: point.into(), position: position.to_array() })
 }
 
 fn corners_of(mesh: &UnstructuredMesh, cell: usize) -> Result<&[u32]> {

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::collection::{read_pvd_in, read_vtm_in};
 use super::plot3d::read_plot3d_in;
 use super::pvtu::read_pvtu_in;
 use super::vtk_legacy::read_vtk_in;
@@ -77,6 +78,18 @@ pub const READ: &[Format] = &[
         read: |bytes, path, scratch| vts::read_parallel(bytes, path, &vts::RECTILINEAR, scratch).map(Mesh::from),
     },
     Format {
+        name: "VTK XML multi-block",
+        extensions: &["vtm"],
+        recognises: |bytes| xml_type(bytes).is_some_and(|kind| kind == b"vtkMultiBlockDataSet"),
+        read: read_vtm_in,
+    },
+    Format {
+        name: "VTK collection",
+        extensions: &["pvd"],
+        recognises: |bytes| xml_type(bytes).is_some_and(|kind| kind == b"Collection"),
+        read: read_pvd_in,
+    },
+    Format {
         name: "VTK legacy",
         extensions: &["vtk"],
         recognises: |bytes| bytes.starts_with(b"# vtk DataFile"),
@@ -114,7 +127,7 @@ pub const REFUSED: &[Refused] = &[
     refused("a raw volume", &["raw"], GRID_TO_VTU),
     refused("a VTK XML image", &["vti", "pvti"], GRID_TO_VTU),
     refused("a VTK XML surface", &["vtp", "pvtp"], "cellfan draws cells with a volume"),
-    refused("a VTK collection", &["vtm", "pvd"], "open one of the files it names"),
+    refused("a VTK partitioned collection", &["vtpc", "vtpd"], "give the files it names, all of them"),
     refused("a PLOT3D solution", &["q"], "name its grid: a solution beside it is found by its name"),
     Refused { magic: b"$MeshFormat", ..refused("Gmsh", &["msh"], TO_VTU) },
     Refused { magic: b"MeshVersionFormatted", ..refused("Medit", &["mesh", "meshb"], TO_VTU) },

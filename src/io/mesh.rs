@@ -88,21 +88,30 @@ impl UnstructuredMesh {
             1 => return Ok(pieces.swap_remove(0)),
             _ => {}
         }
+        let arrays = concat::arrays(&pieces.iter().map(|piece| &piece.arrays[..]).collect::<Vec<_>>(), scratch)?;
+        Self::concat_with(pieces, arrays, scratch)
+    }
+
+    /// The pieces as one mesh, in order, with `arrays` over all their points and cells.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`] where the points are more than `u32` can name, and those of the scratch.
+    pub(super) fn concat_with(pieces: Vec<Self>, arrays: Vec<Array>, scratch: &Scratch) -> Result<Self> {
         let len = pieces.iter().map(|piece| piece.points.len() as u64).sum();
         let limit = u64::from(u32::MAX) - 1;
         if len > limit {
             return Err(Error::TooLarge { column: "points", len, limit });
         }
         let points = concat::points(&pieces.iter().map(|piece| &piece.points).collect::<Vec<_>>());
-        let arrays = concat::arrays(&pieces.iter().map(|piece| &piece.arrays[..]).collect::<Vec<_>>(), scratch)?;
         let (mut types, mut offsets, mut connectivity) = (scratch.column(), scratch.column(), scratch.column());
         offsets.push(0)?;
         let mut first_point = 0;
         for piece in pieces {
-            let base = connectivity.len() as u64;
+            let (base, entries) = (connectivity.len() as u64, piece.connectivity.len() as u64);
             types.extend(piece.types.iter().copied())?;
-            offsets.extend(piece.offsets.iter().skip(1).map(|offset| base.saturating_add(*offset)))?;
-            // An index beyond its piece must not come to name a point of the next one.
+            // An entry or index beyond its piece must not come to name one of the next.
+            let place = |&offset: &u64| if offset <= entries { base + offset } else { u64::MAX };
+            offsets.extend(piece.offsets.iter().skip(1).map(place))?;
             let points = piece.points.len() as u32;
             let shift = |&index: &u32| if index < points { first_point + index } else { u32::MAX };
             connectivity.extend(piece.connectivity.iter().map(shift))?;

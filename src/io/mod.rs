@@ -1,15 +1,18 @@
 //! Files: meshes in, meshes and pictures out.
 //!
-//! In: a path. Out: a [`Dataset`] ([`open`]), or the mesh as the file has it ([`open_mesh`]).
+//! In: a path, or several. Out: a [`Dataset`] ([`open`], [`open_all`]), or the mesh as the files have it ([`open_mesh`],
+//! [`open_meshes`]).
 //! To add a format that is read: a file with a function from bytes to a [`Mesh`] and its line in
 //! [`formats::READ`]. To refuse one by its name: a line in [`formats::REFUSED`].
 
 mod any_mesh;
 mod assemble;
+mod collection;
 mod concat;
 pub mod container;
 mod expansion;
 pub mod formats;
+mod join;
 mod mapping;
 mod mesh;
 mod numbers;
@@ -33,6 +36,7 @@ use std::path::Path;
 
 pub use crate::atomic::check_target;
 pub use any_mesh::{Mesh, WholeCells};
+pub use collection::{read_pvd, read_vtm};
 pub use mesh::UnstructuredMesh;
 pub use plot3d::read_plot3d;
 pub use pvtu::read_pvtu;
@@ -77,6 +81,41 @@ pub fn open_with(path: &Path, use_map: bool) -> Result<Dataset> {
     open_mesh(path)?.into_dataset().map_err(|error| error.in_file(path))
 }
 
+/// Reads several files of any format as one mesh, made ready to draw in one visibility order; a single one as [`open`] does.
+///
+/// # Errors
+/// Those of [`open`], [`open_meshes`] and [`Mesh::into_dataset`].
+///
+/// ```no_run
+/// let data = cellfan::io::open_all(&["rotor.vtu", "stator.vtu"])?;
+/// # Ok::<(), cellfan::Error>(())
+/// ```
+pub fn open_all<P: AsRef<Path>>(paths: &[P]) -> Result<Dataset> {
+    match paths {
+        [path] => open(path.as_ref()),
+        _ => open_meshes(paths)?.into_dataset(),
+    }
+}
+
+/// Reads several files of any format as one mesh, joined as [`Mesh::join`] does, the first file's points and cells first.
+///
+/// Containers among several files are copied into memory as they are drawn; what they left out when they were written is not
+/// counted again.
+///
+/// # Errors
+/// Those of [`open`] for each file, with its name; [`Error::Option`] where a file is there twice; those of [`Mesh::join`].
+pub fn open_meshes<P: AsRef<Path>>(paths: &[P]) -> Result<Mesh> {
+    open_meshes_in(paths, &Scratch::memory())
+}
+
+/// As [`open_meshes`], the columns where `scratch` says.
+///
+/// # Errors
+/// Those of [`open_meshes`], and [`Error::Io`] where a nameless file cannot be written.
+pub fn open_meshes_in<P: AsRef<Path>>(paths: &[P], scratch: &Scratch) -> Result<Mesh> {
+    join::open(&paths.iter().map(AsRef::as_ref).collect::<Vec<_>>(), scratch)
+}
+
 /// Reads a file of any format in [`formats::READ`] as it is, in file order.
 ///
 /// # Errors
@@ -102,6 +141,11 @@ pub fn open_mesh(path: &Path) -> Result<Mesh> {
 /// # Ok::<(), cellfan::Error>(())
 /// ```
 pub fn open_mesh_in(path: &Path, scratch: &Scratch) -> Result<Mesh> {
+    open_mesh_of(path, scratch, |_| Ok(()))
+}
+
+/// As [`open_mesh_in`], for a file whose format `check` accepts.
+fn open_mesh_of(path: &Path, scratch: &Scratch, check: impl FnOnce(&formats::Format) -> Result<()>) -> Result<Mesh> {
     if path.is_dir() {
         let advice = "name a file in it".to_owned();
         return Err(Error::Unsupported { path: path.to_owned(), what: "a folder".to_owned(), advice });
@@ -111,6 +155,7 @@ pub fn open_mesh_in(path: &Path, scratch: &Scratch) -> Result<Mesh> {
     // Its beginning is enough to refuse a file.
     file.by_ref().take(formats::HEAD_BYTES as u64).read_to_end(&mut head).map_err(io_at(path))?;
     let format = formats::find(&head, path)?;
+    check(format)?;
     if scratch.maps(&file) {
         return (format.read)((*scratch.bytes_of(path, file)?).as_ref(), path, scratch);
     }

@@ -100,9 +100,17 @@ impl StructuredMesh {
         if pieces.len() == 1 {
             return Ok(pieces.swap_remove(0));
         }
+        let arrays = concat::arrays(&pieces.iter().map(|piece| &piece.arrays[..]).collect::<Vec<_>>(), scratch)?;
+        Self::concat_with(&pieces, arrays)
+    }
+
+    /// The blocks of all pieces, in order, with `arrays` over all their points and cells.
+    ///
+    /// # Errors
+    /// Those of [`StructuredMesh::new`].
+    pub(super) fn concat_with(pieces: &[Self], arrays: Vec<Array>) -> Result<Self> {
         let dims: Vec<[usize; 3]> = pieces.iter().flat_map(|piece| &piece.blocks).map(|block| block.dims).collect();
         let points = concat::points(&pieces.iter().map(|piece| &piece.points).collect::<Vec<_>>());
-        let arrays = concat::arrays(&pieces.iter().map(|piece| &piece.arrays[..]).collect::<Vec<_>>(), scratch)?;
         Self::new(&dims, points, arrays)
     }
 }

@@ -27,7 +27,7 @@ fn bad_usage_is_1_and_names_what_is_expected() {
         ("render mesh.vtu --camera a.json --view 0,0", "cannot be used with"),
         ("render mesh.vtu --sort exact --cpu-method fans", "footprints"),
         ("render mesh.vtu --sort topological --memory 1Gi", "--memory"),
-        ("render mesh.vtu mesh.vtu", "one at a time"),
+        ("render mesh.vtu ./mesh.vtu", "given twice"),
         ("render mesh.vtu -o out.jpg", ".png, .exr or .npy"),
         ("render mesh.vtu --transfer jet", "viridis, inferno, cool-warm, x-ray"),
         ("generate cubes -o a.vtu", "buckyball"),

@@ -63,6 +63,17 @@ pub(crate) const XML_WORDS: &[&str] = &[
     "Extent='0 1 0 2 0 2'",
     "Extent='0 -1 0 -1 0 -1'",
     "Coordinates",
+    "vtkMultiBlockDataSet",
+    "Collection",
+    "Block",
+    "DataSet",
+    "timestep='-1e999'",
+    "file='self.vtm'",
+    "file='self.pvd'",
+    "file='0.vtu'",
+    "file='1.vts'",
+    "file='../../../../dev/zero'",
+    "file=''",
     "Source='self.pvtu'",
     "Source='0.vtu'",
     "Source='../../../../dev/zero'",
@@ -170,7 +181,13 @@ pub(crate) fn pieces() -> &'static Path {
         for (i, style) in Style::all().into_iter().step_by(5).enumerate() {
             std::fs::write(folder.join(format!("{i}.vtu")), vtu::write(style)).unwrap();
         }
+        for (i, grid) in grids::vts().into_iter().enumerate() {
+            std::fs::write(folder.join(format!("{i}.vts")), grid).unwrap();
+        }
         std::fs::write(folder.join("self.pvtu"), pvtu_of(&["self.pvtu"])).unwrap();
+        std::fs::write(folder.join("self.vtm"), multi_block(&["0.vtu", "self.vtm"])).unwrap();
+        std::fs::write(folder.join("self.pvd"), collection(&["0.vtu", "self.pvd"])).unwrap();
+        std::fs::write(folder.join("good.vtm"), multi_block(&["0.vtu", "1.vtu"])).unwrap();
         folder
     })
 }
@@ -187,6 +204,41 @@ pub(crate) fn pvtu_of(pieces: &[&str]) -> Vec<u8> {
 pub(crate) fn pvtu() -> Seeds {
     pieces();
     vec![pvtu_of(&["0.vtu"]), pvtu_of(&["0.vtu", "1.vtu", "2.vtu"]), pvtu_of(&["./1.vtu", "3.vtu"]), pvtu_of(&[])]
+}
+
+fn data_sets(files: &[&str]) -> String {
+    let one = |(i, file): (usize, &&str)| {
+        format!("<DataSet index=\"{i}\" timestep=\"{}\" part=\"{i}\" file=\"{file}\"/>\n", i / 2)
+    };
+    files.iter().enumerate().map(one).collect::<Vec<_>>().concat()
+}
+
+fn multi_block(files: &[&str]) -> Vec<u8> {
+    let (first, rest) = files.split_at(files.len() / 2);
+    format!(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"vtkMultiBlockDataSet\" version=\"1.0\">\n<vtkMultiBlockDataSet>\n{}\
+         <Block index=\"1\" name=\"b\">\n<Piece index=\"0\">\n{}</Piece>\n<DataSet index=\"1\"/>\n</Block>\n\
+         </vtkMultiBlockDataSet>\n</VTKFile>\n",
+        data_sets(first),
+        data_sets(rest)
+    )
+    .into_bytes()
+}
+
+fn collection(files: &[&str]) -> Vec<u8> {
+    let files = data_sets(files);
+    format!("<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n{files}</Collection>\n</VTKFile>\n")
+        .into_bytes()
+}
+
+pub(crate) fn vtm() -> Seeds {
+    pieces();
+    vec![multi_block(&["0.vtu", "0.vts"]), multi_block(&["1.vtu", "./2.vtu", "wall.vtp", "1.vts"]), multi_block(&[])]
+}
+
+pub(crate) fn pvd() -> Seeds {
+    pieces();
+    vec![collection(&["0.vtu", "1.vtu", "none.vtu"]), collection(&["good.vtm", "0.vts"]), collection(&[])]
 }
 
 pub(crate) fn vtk() -> Seeds {
@@ -264,6 +316,7 @@ pub(crate) fn real() -> Seeds {
     seeds.extend(vtk());
     seeds.extend(vtu());
     seeds.extend(pvtu());
+    seeds.extend(vtm());
     seeds
 }
 

@@ -70,6 +70,8 @@ pub(crate) const TARGETS: &[Target] = &[
         seeds::XML_WORDS,
         XML,
     ),
+    target("vtm", seeds::vtm, |bytes| mesh(io::read_vtm(bytes, &seeds::pieces().join("a.vtm"))), seeds::XML_WORDS, XML),
+    target("pvd", seeds::pvd, |bytes| mesh(io::read_pvd(bytes, &seeds::pieces().join("a.pvd"))), seeds::XML_WORDS, XML),
     target("vtk", seeds::vtk, |bytes| mesh(io::read_vtk(bytes, Path::new("a.vtk"))), seeds::VTK_WORDS, GRID),
     target(
         "plot3d",

@@ -28,6 +28,7 @@ mod parity;
 mod polyhedron;
 mod real;
 mod reference;
+mod several;
 mod topological;
 #[cfg(feature = "gpu")]
 mod whole;

@@ -92,3 +92,27 @@ fn real_meshes_whole() {
     }
     assert!(failures.is_empty(), "\n{}", failures.join("\n"));
 }
+
+/// Blocks and listed cells, with arrays that the other lacks.
+#[test]
+fn real_meshes_of_two_kinds_in_a_multi_block_file() {
+    let Some(data) = data_folder("real_meshes_of_two_kinds") else { return };
+    let data = data.canonicalize().unwrap();
+    let block = |file: &str| format!("<Block><DataSet file='{}'/></Block>", data.join(file).display());
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("both.vtm");
+    let blocks = ["classic/bluntfin.vts", "unstructured/disk_out_ref.vtu"].map(block).concat();
+    let kind = "vtkMultiBlockDataSet";
+    std::fs::write(&path, format!("<VTKFile type='{kind}'><{kind}>{blocks}</{kind}></VTKFile>")).unwrap();
+    let dataset = io::open_mesh(&path).unwrap().into_whole_dataset().unwrap();
+    let (fin, disk) = (37_479, 7472);
+    assert_eq!(dataset.counts.in_file, fin + disk);
+    for (array, without) in [("Density", disk), ("Temp", fin)] {
+        let case = case(dataset.clone(), array);
+        assert!(case.field.invalid.abs_diff(without) < 10, "{array}: {}", case.field.invalid);
+        let lines = errors_of(&case, 120, &[Model::EmissionAbsorption]);
+        assert!(lines.iter().map(|(_, errors)| errors.pixels).sum::<usize>() > 300, "{array}");
+        let mut failed = lines.iter().filter(|(_, errors)| errors.mean > 2e-4 || errors.max > 5e-3);
+        assert!(failed.next().is_none(), "{array}: {lines:?}");
+    }
+}

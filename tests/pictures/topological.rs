@@ -13,7 +13,7 @@ use crate::common::data_folder;
 use crate::meshes::{grid, random_delaunay, smooth, three_views};
 
 /// The cells of a mesh of the unit cube whose centroid is one that `is_kept`.
-fn part(mesh: TetMesh, is_kept: impl Fn(DVec3) -> bool) -> TetMesh {
+pub(crate) fn part(mesh: TetMesh, is_kept: impl Fn(DVec3) -> bool) -> TetMesh {
     let centroid = |tet: &[u32; 4]| tet.map(|v| mesh.points.get(v as usize)).into_iter().sum::<DVec3>() * 0.25;
     let kept = || (0..mesh.tets.len()).filter(|&i| is_kept(centroid(&mesh.tets[i])));
     let (tets, file_from_tet): (Vec<_>, Vec<_>) = kept().map(|i| (mesh.tets[i], mesh.file_from_tet[i])).unzip();
@@ -21,7 +21,7 @@ fn part(mesh: TetMesh, is_kept: impl Fn(DVec3) -> bool) -> TetMesh {
 }
 
 /// Two linked rings.
-fn rings(p: DVec3) -> bool {
+pub(crate) fn rings(p: DVec3) -> bool {
     let distance = |p: DVec3| p.x.hypot(p.y) - 0.25;
     let first = p - DVec3::new(0.35, 0.5, 0.5);
     let second = p - DVec3::new(0.65, 0.5, 0.5);

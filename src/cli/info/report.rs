@@ -1,6 +1,7 @@
 //! What `info` found out, as text and as JSON.
 
 use std::fmt::{self, Display, Formatter};
+use std::path::Path;
 
 use cellfan::columns::{Association, CellCounts};
 use serde::Serialize;
@@ -44,10 +45,22 @@ pub(super) struct Drawn {
     pub(super) memory_bytes: u64,
 }
 
-/// Everything about one file.
+/// A file and its format.
+#[derive(Serialize)]
+pub(super) struct FileReport {
+    file: String,
+    format: &'static str,
+}
+
+impl FileReport {
+    pub(super) fn new(path: &Path, format: &'static str) -> Self {
+        Self { file: path.display().to_string(), format }
+    }
+}
+
+/// Everything about one file, or several as one mesh.
 pub(super) struct Report {
-    pub(super) file: String,
-    pub(super) format: &'static str,
+    pub(super) files: Vec<FileReport>,
     pub(super) points: u64,
     pub(super) cells: u64,
     pub(super) kinds: Vec<KindCount>,
@@ -65,9 +78,14 @@ impl Report {
     /// One JSON object, indented, with a newline at the end.
     pub(super) fn to_json(&self) -> String {
         let skipped = self.counts.lower_dimensional + self.counts.ghost + self.counts.unsupported;
+        let only = match &self.files[..] {
+            [only] => Some(only),
+            _ => None,
+        };
         let value = json!({
-            "file": self.file,
-            "format": self.format,
+            "file": only.map(|only| &only.file),
+            "format": only.map(|only| only.format),
+            "files": self.files,
             "points": self.points,
             "cells": self.cells,
             "kinds": self.kinds,
@@ -85,7 +103,12 @@ impl Report {
 
 impl Display for Report {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}: {}", self.file, self.format)?;
+        for FileReport { file, format } in &self.files {
+            writeln!(f, "{file}: {format}")?;
+        }
+        if self.files.len() > 1 {
+            writeln!(f, "together:")?;
+        }
         writeln!(f, "{}, {}", count(self.points, "point"), count(self.cells, "cell"))?;
         for kind in &self.kinds {
             writeln!(f, "  {:>12}  {}", grouped(kind.count), kind.name)?;

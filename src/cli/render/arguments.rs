@@ -1,6 +1,6 @@
 //! The arguments of `render`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use cellfan::optics::Output;
 use cellfan::stages::fans::Faces;
@@ -8,6 +8,7 @@ use cellfan::{CpuMethod, Integral, Model, SortMethod};
 use clap::Args;
 
 use crate::cli::arguments::{Cells, bytes, color, finite, length, named, one_of, size, transmittance, view};
+use crate::cli::meshes::FORMATS;
 
 /// What draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,10 +24,10 @@ pub(super) enum Backend {
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(in crate::cli) struct Arguments {
-    /// The mesh: .cells, .vtu, .vts, .vtr or parallel (.pvtu …), .vtk, or PLOT3D (.xyz, .x, .p3d, .bin).
-    #[arg(required = true, value_name = "MESH")]
+    #[arg(required = true, value_name = "MESH", help = FORMATS)]
     pub(super) meshes: Vec<PathBuf>,
-    /// The picture: .png to look at, .exr or .npy for the linear values [default: MESH.png in this folder].
+    /// The picture: .png to look at, .exr or .npy for the linear values [default: the first MESH's name with .png, in this
+    /// folder].
     #[arg(short = 'o', long, value_name = "OUT")]
     pub(super) out: Option<PathBuf>,
 
@@ -135,6 +136,7 @@ const INTEGRALS: [(&str, &str); 3] = [
 const EXAMPLES: &str = "\
 Examples:
   cellfan render mesh.vtu
+  cellfan render rotor.vtu stator.vtu casing.vts -o machine.png
   cellfan render mesh.vtu -o out.png --array Velocity[2] --transfer cool-warm --view 120,-10
   cellfan render mesh.vtu -o out.exr --transfer tf.json --camera cam.json --size 1920x1080
   cellfan render mesh.vtu -o turn.png --frames 36 --orbit 360 --background 0,0,0
@@ -142,11 +144,12 @@ Examples:
   cellfan render mesh.vtu -o xray.exr --model absorption --bands bands.csv --output depth";
 
 impl Arguments {
-    /// Where the picture goes; by default the mesh's name with .png, in the current folder.
-    pub(super) fn output_path(&self, mesh: &Path) -> PathBuf {
+    /// Where the picture goes; by default the first mesh's name with .png, in the current folder.
+    pub(super) fn output_path(&self) -> PathBuf {
         self.out.clone().unwrap_or_else(|| {
             // A path without a name is no mesh; the reader says so.
-            let mut name = mesh.file_stem().unwrap_or("mesh".as_ref()).to_owned();
+            let stem = self.meshes.first().and_then(|mesh| mesh.file_stem());
+            let mut name = stem.unwrap_or("mesh".as_ref()).to_owned();
             name.push(".png");
             name.into()
         })

@@ -1,8 +1,8 @@
 //! Which array is drawn: the one that was named, or one that shows something.
 //!
 //! Without a name: scalars of points, vectors of points by magnitude, then those of cells; among them fractional
-//! numbers before whole ones, which are often labels; the first that varies. Arrays that only number or mark things are
-//! left out. Where nothing is left, the mesh is drawn homogeneous.
+//! numbers before whole ones, which are often labels; the first that varies and leaves no cell out for want of a value, or if
+//! there is none, the first that varies. Arrays that only number or mark things are left out. Where nothing is left, the mesh is drawn homogeneous.
 
 use cellfan::columns::{Array, Association, Component};
 use cellfan::{Dataset, Field, FieldSelection, Result};
@@ -18,7 +18,7 @@ pub(super) fn choose(dataset: &Dataset, name: Option<&str>) -> Result<Field> {
     let mut candidates: Vec<&Array> = dataset.arrays.iter().filter(|array| !is_label(array)).collect();
     // Stable: the file's order decides between equals.
     candidates.sort_by_key(|array| (array.association == Association::Cell, array.components > 1, is_whole(array)));
-    let varying = candidates.into_iter().find_map(|array| {
+    let mut varying = candidates.into_iter().filter_map(|array| {
         let selection = FieldSelection {
             name: array.name.clone(),
             association: Some(array.association),
@@ -26,7 +26,11 @@ pub(super) fn choose(dataset: &Dataset, name: Option<&str>) -> Result<Field> {
         };
         dataset.field(&selection).ok().filter(|field| field.range.0 < field.range.1)
     });
-    Ok(varying.unwrap_or_else(|| dataset.homogeneous_field()))
+    let Some(first) = varying.next() else { return Ok(dataset.homogeneous_field()) };
+    if first.invalid == 0 {
+        return Ok(first);
+    }
+    Ok(varying.find(|field| field.invalid == 0).unwrap_or(first))
 }
 
 fn is_whole(array: &Array) -> bool {

@@ -4,6 +4,8 @@ use crate::columns::{Array, Association};
 
 /// The name of VTK's array of such bits.
 pub(in crate::io) const GHOST_TYPE: &str = "vtkGhostType";
+/// The name of the older array: how many cells away the piece is that owns the cell.
+pub(in crate::io) const GHOST_LEVELS: &str = "vtkGhostLevels";
 /// The bit of a cell that another piece owns.
 pub(in crate::io) const DUPLICATE_CELL: u8 = 1;
 /// The bit of a cell that is hidden.
@@ -25,8 +27,7 @@ impl<'a> Hidden<'a> {
         };
         Self {
             types: find(GHOST_TYPE, Association::Cell),
-            // The older convention: how many cells away the piece is that owns the cell.
-            levels: find("vtkGhostLevels", Association::Cell),
+            levels: find(GHOST_LEVELS, Association::Cell),
             points: find(GHOST_TYPE, Association::Point),
         }
     }

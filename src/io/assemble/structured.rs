@@ -1,7 +1,7 @@
 //! From a [`StructuredMesh`] to tetrahedra, the corners of each cell made when it is cut; or to its cells as they are.
 
 use super::super::{StructuredBlock, StructuredMesh, WholeCells};
-use super::{Hidden, Scratch, Splitter};
+use super::{Hidden, Scratch, Splitter, check_position};
 use crate::cells::HEXAHEDRON;
 use crate::columns::{BitColumn, CellCounts, CellMesh, Dataset, StructuredCells, TetMesh};
 use crate::error::Result;
@@ -86,6 +86,23 @@ impl StructuredMesh {
     /// Those of [`Dataset::from_structured`] and [`Dataset::from_cells`].
     pub fn into_whole_dataset(self) -> Result<Dataset> {
         self.into_whole_in(&Scratch::memory())?.into_dataset()
+    }
+
+    /// The cells that are drawn have positions.
+    ///
+    /// # Errors
+    /// [`Error::NonFinitePosition`](crate::Error::NonFinitePosition).
+    pub(in crate::io) fn check(&self) -> Result<()> {
+        let hidden = Hidden::of(self.arrays());
+        for block in self.blocks().iter().filter(|block| block.has_volume()) {
+            for in_block in (0..block.cells()).filter(|cell| !hidden.cell(block.first_cell() + cell)) {
+                let corners = block.corners(in_block);
+                if !corners.iter().any(|&point| hidden.point(point)) {
+                    corners.iter().try_for_each(|&point| check_position(self.points(), point))?;
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Cuts the mesh into tetrahedra and brings them into the order in which they are drawn.

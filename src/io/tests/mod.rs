@@ -2,6 +2,8 @@
 
 mod assemble;
 mod blocks;
+mod collection;
+mod join;
 mod legacy;
 mod legacy_grids;
 mod malformed;

@@ -23,7 +23,7 @@ pub(in crate::io) fn read_grid<T>(
 }
 
 /// The element `kind` in the root of a file of that kind.
-pub(super) fn grid_of<'e, 'a>(root: &'e Element<'a>, kind: &str, source: Source<'_>) -> Result<&'e Element<'a>> {
+pub(in crate::io) fn grid_of<'e, 'a>(root: &'e Element<'a>, kind: &str, source: Source<'_>) -> Result<&'e Element<'a>> {
     super::check_root(root, kind, source)?;
     let missing = || source.malformed(root.place(), format!("holds no <{kind}>: damaged or truncated"));
     root.child(kind).ok_or_else(missing)

@@ -14,11 +14,11 @@ mod grid;
 mod parallel;
 mod stream;
 
-pub(super) use document::Element;
+pub(super) use document::{Element, parse, split_appended};
 pub(super) use encoding::Encoding;
 pub(super) use extent::Extent;
-pub(super) use grid::{arrays, child, points, read_grid};
-pub(super) use parallel::read_pieces;
+pub(super) use grid::{arrays, child, grid_of, points, read_grid};
+pub(super) use parallel::{NamedFiles, read_pieces};
 
 use super::source::{Source, quote};
 use crate::error::Result;
