@@ -192,7 +192,8 @@ mod tests {
                 let other = sides_of_fold([q, p, r, s], toward).map(|side| (-side).partial_cmp(&0.0));
                 assert_eq!(other, slow.map(|side| side.partial_cmp(&0.0)));
                 differ += i32::from(slow[0] * slow[1] < 0.0);
-                assert_eq!(sides_of_fold([p, q, r, r], toward), [0.0; 2]);
+                let folded_upon_itself = sides_of_fold([p, q, r, r], toward);
+                assert!(folded_upon_itself.iter().all(|side| side.abs() < f64::MIN_POSITIVE));
             }
         }
         assert!((20_000..180_000).contains(&differ), "{differ}");

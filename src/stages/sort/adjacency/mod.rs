@@ -1,7 +1,7 @@
 //! `adjacency`: which cell lies across each face, and which faces have none: the exterior ones. Once a mesh.
 //!
 //! In: the cells, and what a container says of them. Out: [`Adjacency`]: a row of four for each tetrahedron, of six for each listed
-//! hexahedron ([`build`], in parallel); nothing for structured blocks, where it follows from i, j and k. Cells meet where they share
+//! hexahedron (`build`, in parallel); nothing for structured blocks, where it follows from i, j and k. Cells meet where they share
 //! vertices, listed hexahedra and what adjoins them where their vertices stand in one place.
 
 mod build;
