@@ -33,4 +33,5 @@ pub(crate) use hexahedra::HexCorners;
 pub use hexahedra::{HexShape, Hexahedra, HexahedraView, StructuredBlock};
 pub(crate) use placement::{Placement, orientation_of};
 pub(crate) use spatial_order::UNUSED;
+pub(crate) use split::split_hexahedron;
 pub use tets::{BlockIds, BlockTets, Tets, TetsView};

@@ -33,7 +33,8 @@ impl Dataset {
         let canonical = canonical_from_point(&points);
         let (first, hexahedra) = (self.tets.len(), self.hexahedra.view());
         let of_hexahedron = |cell: usize| {
-            let tets = split(hexahedra.get(cell), hexahedra.shape(cell), |vertex| canonical[vertex as usize]);
+            let tets =
+                split_hexahedron(hexahedra.get(cell), hexahedra.shape(cell), |vertex| canonical[vertex as usize]);
             tets.map(move |tet| (tet, (first + cell) as u32))
         };
         let whole = (0..self.tets.len()).into_par_iter().map(|cell| (self.tets.get(cell), cell as u32));
@@ -69,7 +70,11 @@ impl Dataset {
 /// The tetrahedra of a hexahedron with these corners, compared by `canonical`; none where it is not drawn.
 ///
 /// Where no corner is in every triangle of its faces, as in no cell whose faces are cut by the rule, the tetrahedra overlap.
-fn split(corners: [u32; 8], shape: HexShape, canonical: impl Fn(u32) -> u32) -> impl Iterator<Item = [u32; 4]> {
+pub(crate) fn split_hexahedron(
+    corners: [u32; 8],
+    shape: HexShape,
+    canonical: impl Fn(u32) -> u32,
+) -> impl Iterator<Item = [u32; 4]> {
     let number = corners.map(canonical);
     let of = |triangle: [u8; 3]| triangle.map(|corner| number[usize::from(corner)]);
     let has_area = |&triangle: &[u8; 3]| {
@@ -132,7 +137,7 @@ mod tests {
             });
             let of = |corner: u32| number[corner as usize];
             let shape = HexShape::new(CUBE.map(place), CUBE.map(of));
-            let found: BTreeSet<_> = split(CUBE, shape, of).map(sorted).collect();
+            let found: BTreeSet<_> = split_hexahedron(CUBE, shape, of).map(sorted).collect();
             let mut expected = BTreeSet::new();
             cells::split(&HEXAHEDRON, &CUBE, of, |tet| {
                 expected.insert(sorted(tet));
@@ -152,15 +157,15 @@ mod tests {
         };
         for bits in 0..64_u16 {
             let shape: HexShape = bytemuck::cast(bits);
-            let tets: Vec<_> = split(CUBE, shape, |vertex| vertex).collect();
+            let tets: Vec<_> = split_hexahedron(CUBE, shape, |vertex| vertex).collect();
             assert!((volume(&tets) - 1.0).abs() < 1e-6, "{bits:06b}: {}", volume(&tets));
         }
         // A pyramid over the cube's bottom, its tip at corner 7.
         let pyramid = [0, 1, 3, 2, 7, 7, 7, 7];
         let shape = HexShape::new(pyramid.map(place), pyramid);
-        let tets: Vec<_> = split(pyramid, shape, |vertex| vertex).collect();
+        let tets: Vec<_> = split_hexahedron(pyramid, shape, |vertex| vertex).collect();
         assert_eq!(tets.len(), 2);
         assert!((volume(&tets).abs() - 1.0 / 3.0).abs() < 1e-6);
-        assert_eq!(split(CUBE, HexShape::ABSENT, |vertex| vertex).count(), 0);
+        assert_eq!(split_hexahedron(CUBE, HexShape::ABSENT, |vertex| vertex).count(), 0);
     }
 }

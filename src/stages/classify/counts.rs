@@ -102,7 +102,7 @@ mod tests {
         counts.add(ProjectionClass::Class2.into());
         counts.add(CellClass(places[1]));
         counts.add(CellClass::SPLIT);
-        assert_eq!((counts.cells(), counts.triangles()), (2, 4 + 11));
+        assert_eq!((counts.cells(), counts.triangles()), (2, 4 + 12));
         assert_eq!(counts.named()[5..], [("count1", 1), ("split", 1)]);
     }
 }

@@ -13,7 +13,7 @@ use super::polyhedra::{CellFans, FanVertex, ProjectedCorner};
 use super::tetrahedra::Tet;
 use super::{Fan, FanInput};
 use crate::cells::{CellKind, HEXAHEDRON, PYRAMID, WEDGE};
-use crate::columns::HexShape;
+use crate::columns::{HexShape, split_hexahedron};
 use crate::stages::View;
 use crate::stages::classify::CellClass;
 use crate::stages::classify::polyhedra::{Case, Projection, Projections};
@@ -47,8 +47,8 @@ pub(super) enum Drawn {
     Parts(ArrayVec<Tet, PARTS_MAX>),
 }
 
-/// The triangles of three faces of a hexahedron, which are all that do not touch a corner.
-pub(super) const PARTS_MAX: usize = 6;
+/// The triangles that do not touch a corner: six, or, of a cell that is cut against the rule, all.
+pub(super) const PARTS_MAX: usize = 12;
 
 impl CaseFan {
     /// The fans whose room it takes.
@@ -114,51 +114,33 @@ impl FanInput<'_> {
     }
 
     /// The tetrahedra of a cell, cut as its faces are, farthest first.
-    ///
-    /// Faces are cut from their vertex of lowest number, so there is a corner at which all cuts of its faces end: from there to
-    /// the triangles of the other faces (as [`split`](crate::cells::split) does).
     fn parts(&self, vertex: [u32; 8], shape: HexShape, constant: Option<f32>) -> ArrayVec<Tet, PARTS_MAX> {
-        let p = vertex.map(|v| Vec3::from_array(self.vertices[v as usize].position));
-        let at = |corner: u8| p[usize::from(corner)];
-        let is_flat = |[a, b, c]: &[u8; 3]| at(*a) == at(*b) || at(*b) == at(*c) || at(*c) == at(*a);
-        let triangles: ArrayVec<(usize, [u8; 3]), 12> = (0..6)
-            .flat_map(|face| shape.triangles(face).map(|triangle| (face, triangle)))
-            .filter(|(_, triangle)| !is_flat(triangle))
-            .collect();
-        let touches = |corner: u8, of: &[u8]| of.iter().any(|&other| at(other) == at(corner));
-        let ends_all_cuts = |corner: &u8| {
-            let touches_or_is_apart = |(face, triangle): &(usize, [u8; 3])| {
-                touches(*corner, triangle) || !touches(*corner, HEXAHEDRON.faces[*face])
-            };
-            triangles.iter().all(touches_or_is_apart)
-        };
-        let apex = (0..8).find(ends_all_cuts).unwrap_or(0);
-        let parts = triangles.iter().filter(|(_, triangle)| !touches(apex, triangle));
-        let mut parts: ArrayVec<[u8; 4], PARTS_MAX> =
-            parts.map(|&(_, [a, b, c])| [apex, a, b, c]).take(PARTS_MAX).collect();
+        let at = |v: u32| Vec3::from_array(self.vertices[v as usize].position);
+        let first_there = |v: u32| vertex.into_iter().filter(|&other| at(other) == at(v)).min().unwrap_or(v);
+        let mut parts: ArrayVec<[u32; 4], PARTS_MAX> = split_hexahedron(vertex, shape, first_there).collect();
         let mut ordered = ArrayVec::new();
         while !parts.is_empty() {
             // One that no other stands behind; if there is none, the cell is turned inside out and any will do.
-            let is_farthest = |part: &[u8; 4]| !parts.iter().any(|other| is_behind(self.view, p, *other, *part));
+            let is_farthest = |part: &[u32; 4]| {
+                !parts.iter().any(|other| is_behind(self.view, other.map(|v| (v, at(v))), part.map(|v| (v, at(v)))))
+            };
             let next = parts.iter().position(is_farthest).unwrap_or(0);
-            ordered.push(self.part(parts.remove(next).map(|corner| vertex[usize::from(corner)]), constant));
+            ordered.push(self.part(parts.remove(next), constant));
         }
         ordered
     }
 }
 
-/// Whether a tetrahedron between corners at `p` shares a face with another and lies behind it.
-fn is_behind(view: &View, p: [Vec3; 8], part: [u8; 4], other: [u8; 4]) -> bool {
-    let at = |corner: u8| p[usize::from(corner)].as_dvec3();
-    let mut shared: ArrayVec<DVec3, 4> = part.iter().filter(|corner| other.contains(corner)).map(|&c| at(c)).collect();
-    let (Some(own), Some(c), Some(b), Some(a)) =
-        (part.iter().find(|corner| !other.contains(corner)), shared.pop(), shared.pop(), shared.pop())
-    else {
-        return false;
-    };
+/// Whether a tetrahedron shares a face with another and lies behind it; vertices with their positions.
+fn is_behind(view: &View, part: [(u32, Vec3); 4], other: [(u32, Vec3); 4]) -> bool {
+    let is_shared = |(vertex, _): &(u32, Vec3)| other.iter().any(|(of_other, _)| of_other == vertex);
+    let position = |(_, p): (u32, Vec3)| p.as_dvec3();
+    let mut shared: ArrayVec<DVec3, 4> = part.into_iter().filter(is_shared).map(position).collect();
+    let own = part.into_iter().find(|vertex| !is_shared(vertex)).map(position);
+    let (Some(own), Some(c), Some(b), Some(a)) = (own, shared.pop(), shared.pop(), shared.pop()) else { return false };
     let n = (b - a).cross(c - a);
     let to_eye = if view.is_perspective { view.eye - a } else { -view.forward };
-    n.dot(to_eye) * n.dot(at(*own) - a) < 0.0
+    n.dot(to_eye) * n.dot(own - a) < 0.0
 }
 
 /// The kind that a hexahedron with coinciding corners is, and which of its corners are the kind's.
