@@ -44,7 +44,7 @@ pub(super) enum Drawn {
     /// The triangles of its case.
     Case(CellClass, Box<CaseFan>),
     /// Tetrahedra, farthest first.
-    Parts(ArrayVec<Tet, PARTS_MAX>),
+    Parts(Box<ArrayVec<Tet, PARTS_MAX>>),
 }
 
 /// The triangles that do not touch a corner: six, or, of a cell that is cut against the rule, all.
@@ -87,7 +87,7 @@ impl FanInput<'_> {
         let (vertex, shape) = (self.hexahedra.get(number), self.hexahedra.shape(number));
         let constant = self.cell_values.map(|values| values[cell]);
         if vertex.iter().any(|&v| self.is_near(&self.screen[v as usize])) {
-            return Drawn::Parts(self.parts(vertex, shape, constant));
+            return Drawn::Parts(Box::new(self.parts(vertex, shape, constant)));
         }
         let (kind, hexahedron_corners) = kind_of(vertex);
         let corner = |&corner: &u8| {
@@ -105,7 +105,7 @@ impl FanInput<'_> {
         let placed = match Projections::of(kind).map(|projections| projections.classify(&xy, true)) {
             Some(Projection::Whole(placed)) => placed,
             Some(Projection::EdgeOn) => return Drawn::EdgeOn,
-            Some(Projection::Split) | None => return Drawn::Parts(self.parts(vertex, shape, constant)),
+            Some(Projection::Split) | None => return Drawn::Parts(Box::new(self.parts(vertex, shape, constant))),
         };
         let fans = CellFans::new(&placed, &corners, diagonals_of(kind, &hexahedron_corners, vertex, shape));
         let scalars = vertex.iter().map(|&v| constant.unwrap_or(self.screen[v as usize].scalar));
