@@ -199,11 +199,14 @@ impl<'a> FanInput<'a> {
     /// Whether a cell with this vertex needs care.
     #[inline]
     fn is_near(&self, vertex: &ScreenVertex) -> bool {
-        // Half a picture beyond its edge.
+        vertex.depth < self.view.near || (self.planes_for != PlanesFor::NoCells && self.is_far_outside(vertex))
+    }
+
+    /// Whether a vertex is more than half a picture beyond the edge.
+    #[inline]
+    fn is_far_outside(&self, vertex: &ScreenVertex) -> bool {
         let [width, height] = self.view.size_px.map(|side| side as f32);
-        let is_far_outside =
-            || (vertex.x_px - 0.5 * width).abs() > width || (vertex.y_px - 0.5 * height).abs() > height;
-        vertex.depth < self.view.near || (self.planes_for != PlanesFor::NoCells && is_far_outside())
+        (vertex.x_px - 0.5 * width).abs() > width || (vertex.y_px - 0.5 * height).abs() > height
     }
 
     /// What there may be among the fans.

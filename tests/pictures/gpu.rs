@@ -299,7 +299,7 @@ fn a_device_without_features_draws_through_copies_and_in_16_bits() {
         // Copies change nothing; 64 KiB beside the picture make many slices.
         let [mapped, copied] = [wgpu::Features::MAPPABLE_PRIMARY_BUFFERS, wgpu::Features::empty()].map(|more| {
             let features = (wgpu::Features::FLOAT32_BLENDABLE | more) & adapter.features();
-            let mut renderer = Renderer::on_gpu(options, open(features), 64 * 64 * 48 + (1 << 16));
+            let mut renderer = Renderer::on_gpu(options, open(features), 64 * 64 * 57 + (1 << 16));
             renderer.render(&scene, &camera).unwrap().image
         });
         assert!(mapped.covered([0.0; 4]) > 1000 && mapped.pixels == copied.pixels);

@@ -86,7 +86,8 @@ impl FanInput<'_> {
         let number = cell - self.dataset.tets.len();
         let (vertex, shape) = (self.hexahedra.get(number), self.hexahedra.shape(number));
         let constant = self.cell_values.map(|values| values[cell]);
-        if vertex.iter().any(|&v| self.is_near(&self.screen[v as usize])) {
+        let seen = vertex.map(|v| self.screen[v as usize]);
+        if seen.iter().any(|corner| corner.depth < self.view.near || self.is_far_outside(corner)) {
             return Drawn::Parts(Box::new(self.parts(vertex, shape, constant)));
         }
         let (kind, hexahedron_corners) = kind_of(vertex);
@@ -152,7 +153,8 @@ fn kind_of(v: [u32; 8]) -> (&'static CellKind, ArrayVec<u8, 8>) {
         // Its base is on top: seen from the tip it runs the other way round.
         (&PYRAMID, &[7, 6, 5, 4, 0])
     } else if v[2] == v[3] && v[6] == v[7] {
-        (&WEDGE, &[0, 1, 2, 4, 5, 6])
+        // VTK's wedges have their first triangle run the other way round than a hexahedron its bottom.
+        (&WEDGE, &[4, 5, 6, 0, 1, 2])
     } else {
         (&HEXAHEDRON, &[0, 1, 2, 3, 4, 5, 6, 7])
     };
