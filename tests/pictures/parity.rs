@@ -15,7 +15,7 @@ pub(crate) struct Parity {
     #[expect(dead_code, reason = "printed")]
     max: f64,
     /// The share of covered pixels within 2e-3 in every channel.
-    within: f64,
+    pub(crate) within: f64,
 }
 
 impl Parity {
