@@ -126,19 +126,25 @@ type Make = Box<dyn Fn(RenderOptions) -> Renderer>;
 
 /// The processor, and the GPU if there is one, with what makes their renderers.
 fn backends() -> Vec<(&'static str, Make)> {
-    let mut backends: Vec<(_, Make)> = vec![("cpu", Box::new(Renderer::new))];
-    #[cfg(feature = "gpu")]
-    {
-        use cellfan::backends::gpu::{Gpu, GpuCompositor};
-        match Gpu::open(None) {
-            Ok(gpu) => backends.push((
-                "gpu",
-                Box::new(move |options| Renderer::on_gpu(options, gpu.clone(), GpuCompositor::MEMORY_BYTES)),
-            )),
-            Err(error) => println!("no GPU is measured: {error}"),
+    let cpu: Make = Box::new(Renderer::new);
+    [("cpu", cpu)].into_iter().chain(gpu().map(|gpu| ("gpu", gpu))).collect()
+}
+
+#[cfg(feature = "gpu")]
+fn gpu() -> Option<Make> {
+    use cellfan::backends::gpu::{Gpu, GpuCompositor};
+    match Gpu::open(None) {
+        Ok(gpu) => Some(Box::new(move |options| Renderer::on_gpu(options, gpu.clone(), GpuCompositor::MEMORY_BYTES))),
+        Err(error) => {
+            println!("no GPU is measured: {error}");
+            None
         }
     }
-    backends
+}
+
+#[cfg(not(feature = "gpu"))]
+fn gpu() -> Option<Make> {
+    None
 }
 
 criterion_group!(benches, frames, hexahedra);

@@ -256,6 +256,7 @@ impl Renderer {
     }
 
     /// Whether fans that come too late are found and put right: on a GPU.
+    #[cfg_attr(not(feature = "gpu"), expect(clippy::unused_self, reason = "the same method as with GPUs"))]
     fn checks_order(&self) -> bool {
         #[cfg(feature = "gpu")]
         return self.gpu.is_some();
