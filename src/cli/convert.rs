@@ -30,7 +30,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "BYTES", value_parser = memory, allow_hyphen_values = true)]
     memory: Option<u64>,
     /// Keep hexahedra, wedges, pyramids and voxels whole, structured blocks without a list of corners; or cut all into
-    /// tetrahedra, as some methods of render would whenever they read the file.
+    /// tetrahedra.
     #[arg(long, value_name = "CELLS", default_value = "whole", value_parser = one_of(Cells::NAMED))]
     cells: Cells,
     /// Also write which cells share a face, 16 bytes a cell: an order by neighbours then need not find it. For tetrahedra.

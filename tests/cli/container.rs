@@ -79,7 +79,7 @@ fn whole_cells_make_the_same_picture_from_a_file_and_its_container() {
                 );
             }
         }
-        // What takes tetrahedra gets them.
+        // Other methods draw the same cells.
         for how in ["--cells tetrahedra", "--cpu-method fans", "--sort topological", "--check-order"] {
             let what = format!("--array of_cell {how}");
             let (expected, found) = (draw("grid.vtk", &what), draw("grid.cells", &what));

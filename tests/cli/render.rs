@@ -196,15 +196,18 @@ fn cells_are_drawn_whole_or_split_as_they_are_told() {
     let run = |more: &[&str]| place.run([&["render", &mesh, "-o", "out.png"], more].concat());
     let whole = run(&[]).succeeds();
     assert!(whole.err.contains("10,648 cells") && !whole.err.contains("split into tetrahedra"), "{}", whole.err);
-    for more in [&["--cells", "tetrahedra"][..], &["--cpu-method", "fans"]] {
-        let split = run(more).succeeds();
-        assert!(split.err.contains("10,648 cells split into tetrahedra"), "{more:?}: {}", split.err);
-    }
-    for more in [&["--sort", "topological"][..], &["--check-order"]] {
+    let split = run(&["--cells", "tetrahedra"]).succeeds();
+    assert!(split.err.contains("10,648 cells split into tetrahedra"), "{}", split.err);
+    for more in [&["--sort", "topological"][..], &["--check-order"], &["--cpu-method", "fans"]] {
         let whole = run(more).succeeds();
         assert!(!whole.err.contains("split into tetrahedra"), "{more:?}: {}", whole.err);
     }
-    run(&["--cells", "whole", "--cpu-method", "fans"]).fails(1, &["--cells", "fans takes tetrahedra"]);
+    // The papers' triangles, which footprints have not.
+    run(&["--faces", "fan"]).fails(1, &["--faces", "--cpu-method fans"]);
+    run(&["--faces", "fan", "--cpu-method", "fans", "--stats", "s.json"]).succeeds();
+    let stats: serde_json::Value = serde_json::from_slice(&place.read("s.json")).unwrap();
+    let by_class = &stats["cells"]["by_class"];
+    assert_eq!((by_class["count1"].as_u64(), by_class["class1"].as_u64()), (Some(10_648), Some(0)));
 }
 
 #[test]

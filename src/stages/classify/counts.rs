@@ -25,13 +25,9 @@ impl CellClass {
     /// A cell that covers nothing.
     pub const EDGE_ON: Self = Self(ProjectionClass::EdgeOn as usize);
 
-    /// The class of a whole cell of `kind`.
-    ///
-    /// # Panics
-    /// If `kind` has no cases.
+    /// The class of a whole cell of `kind`; voxels have the cases of hexahedra.
     #[inline]
     pub fn of_case(kind: &CellKind, case: &Case) -> Self {
-        // Voxels have the cases of hexahedra.
         let kind = KINDS.iter().position(|of| of.code == kind.code).unwrap_or(0);
         Self(FIRST_CASE + CASES[..kind].iter().sum::<usize>() + case.index)
     }
