@@ -2,11 +2,11 @@
 // behind, which each channel dims on its own.
 
 // Light of both bands, transmittance of both.
-fn of_piece(k: u32, part: Segment) -> vec4<f32> {
-    let x = extinctions_at(k, part.enter) * part.length_world;
-    let y = extinctions_at(k, part.leave) * part.length_world;
-    let near = colors_at(k, part.enter);
-    let far = colors_at(k, part.leave);
+fn of_piece(piece: Piece, part: Segment) -> vec4<f32> {
+    let x = extinctions_at(piece, part.enter) * part.length_world;
+    let y = extinctions_at(piece, part.leave) * part.length_world;
+    let near = colors_at(piece, part.enter);
+    let far = colors_at(piece, part.leave);
     let a = segment_weights(x.x, y.x);
     let b = segment_weights(x.y, y.y);
     return vec4<f32>(a.w0 * near.x + a.w1 * far.x, b.w0 * near.y + b.w1 * far.y, a.transmittance, b.transmittance);
@@ -24,29 +24,6 @@ struct Blended {
     @location(0) @blend_src(0) added: vec4<f32>,
     // What is left of the same behind.
     @location(0) @blend_src(1) transmittance: vec4<f32>,
-}
-
-fn of_segment(ray: Segment, span: vec2<u32>) -> vec4<f32> {
-    var sum = NOTHING;
-    for (var k = span.x; k <= span.y; k++) {
-        if pieces[k].is_transparent != 0u {
-            continue;
-        }
-        var part = ray;
-        if span.x != span.y {
-            part = cut(ray, k);
-        }
-        if part.length_world > 0.0 {
-            let added = of_piece(k, part);
-            // Pieces are visited by rising value: along a falling ray each one lies in front of those before it.
-            if ray.leave >= ray.enter {
-                sum = over(sum, added);
-            } else {
-                sum = over(added, sum);
-            }
-        }
-    }
-    return sum;
 }
 
 @fragment

@@ -15,10 +15,10 @@ struct Piece {
 
 @group(0) @binding(1) var<storage, read> pieces: array<Piece>;
 
-fn extinctions_at(k: u32, s: f32) -> vec4<f32> {
-    return max(pieces[k].extinction + (s - pieces[k].start) * pieces[k].extinction_slope, vec4<f32>(0.0));
+fn extinctions_at(piece: Piece, s: f32) -> vec4<f32> {
+    return max(piece.extinction + (s - piece.start) * piece.extinction_slope, vec4<f32>(0.0));
 }
 
-fn colors_at(k: u32, s: f32) -> vec4<f32> {
-    return pieces[k].color + (s - pieces[k].start) * pieces[k].color_slope;
+fn colors_at(piece: Piece, s: f32) -> vec4<f32> {
+    return piece.color + (s - piece.start) * piece.color_slope;
 }

@@ -24,10 +24,10 @@ fn vertex_of_triangle(@builtin(vertex_index) index: u32) -> Fragment {
     if number_of(fan, CASE_MARK) == 0u {
         // Of a fan: the thick vertex, ring i, ring i + 1.
         let ring = select(triangle + 1u, (triangle + 1u) % 4u + 1u, k == 2u);
-        return fan_vertex(fan, select(0u, ring, k > 0u && triangle < 4u));
+        return record_vertex(fan, select(0u, ring, k > 0u && triangle < 4u));
     }
     let packed = number_of(fan, CASE_INDICES + triangle / 2u) >> (16u * (triangle % 2u));
     let at = CASE_VERTICES + 6u * (packed >> (4u * k) & 15u);
     let enter_leave = vec4<f32>(pair_of(fan, at + 2u), pair_of(fan, at + 4u));
-    return fragment_at(fan, pair_of(fan, at), enter_leave);
+    return fragment_at(pair_of(fan, at), enter_leave, floats(fan, 0u).zw);
 }

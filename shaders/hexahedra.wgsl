@@ -88,20 +88,21 @@ fn cross_face(
 }
 
 // A corner relative to the fragment (homogeneous: times w), and what is interpolated.
-fn corner_at(fan: u32, word: u32, at: vec2<f32>, flags: u32) -> vec4<f32> {
-    let corner = floats(fan, word);
+fn corner_at(corner: vec4<f32>, at: vec2<f32>, flags: u32) -> vec4<f32> {
     return vec4<f32>(corner.xy - at * select(1.0, corner.z, (flags & IS_HOMOGENEOUS) != 0u), corner.zw);
 }
 
-fn crossings(fan: u32, flags: u32, at: vec2<f32>) -> Crossings {
-    let a = corner_at(fan, 2u, at, flags);
-    let b = corner_at(fan, 3u, at, flags);
-    let c = corner_at(fan, 4u, at, flags);
-    let d = corner_at(fan, 5u, at, flags);
-    let e = corner_at(fan + 1u, 0u, at, flags);
-    let f = corner_at(fan + 1u, 1u, at, flags);
-    let g = corner_at(fan + 1u, 2u, at, flags);
-    let h = corner_at(fan + 1u, 3u, at, flags);
+fn crossings(in: Fragment) -> Crossings {
+    let flags = in.head.w;
+    let at = in.position.xy - 0.5 - in.first_px;
+    let a = corner_at(in.a, at, flags);
+    let b = corner_at(in.b, at, flags);
+    let c = corner_at(in.c, at, flags);
+    let d = corner_at(in.d, at, flags);
+    let e = corner_at(in.e, at, flags);
+    let f = corner_at(in.f, at, flags);
+    let g = corner_at(in.g, at, flags);
+    let h = corner_at(in.h, at, flags);
     let ab = side(0u, flags, a, b);
     let bc = side(1u, flags, b, c);
     let cd = side(2u, flags, c, d);
@@ -129,7 +130,8 @@ fn crossings(fan: u32, flags: u32, at: vec2<f32>) -> Crossings {
 }
 
 // The part of a ray between two crossings, within the depths that are drawn.
-fn part_between(in: Fragment, flags: u32, enter: vec2<f32>, leave: vec2<f32>) -> Segment {
+fn part_between(in: Fragment, enter: vec2<f32>, leave: vec2<f32>) -> Segment {
+    let flags = in.head.w;
     let world = length_per_depth(in.position.xy - 0.5);
     let s_max = in.s_range.x;
     let s_min = in.s_range.y;
@@ -147,7 +149,7 @@ fn part_between(in: Fragment, flags: u32, enter: vec2<f32>, leave: vec2<f32>) ->
         cut0 = (w0 - enter.x) / (leave.x - enter.x);
         cut1 = (w1 - enter.x) / (leave.x - enter.x);
     } else {
-        let v_origin = floats(in.fan, 1u).x;
+        let v_origin = bitcast<f32>(in.head.x);
         let v0 = v_origin - enter.x;
         let v1 = v_origin - leave.x;
         let clipped0 = clamp(v0, frame.v_far, frame.v_near);
@@ -180,19 +182,25 @@ fn part_between(in: Fragment, flags: u32, enter: vec2<f32>, leave: vec2<f32>) ->
     return Segment(s0 + (s1 - s0) * cut0, s0 + (s1 - s0) * cut1, depth * world);
 }
 
-// All of a cell's light on a ray: its parts, the nearest in front.
+// All but the nearest part.
+fn without_nearest(found: Crossings) -> Crossings {
+    let none = vec2<f32>(LARGEST);
+    return Crossings(
+        array<vec2<f32>, PARTS>(found.enter[1], found.enter[2], none),
+        array<vec2<f32>, PARTS>(found.leave[1], found.leave[2], none),
+    );
+}
+
+// All of a cell's light on a ray: its parts, the nearest in front. Most rays have one: a loop that is not unrolled ends there.
 fn of_hexahedron(in: Fragment) -> vec4<f32> {
-    let flags = fans[in.fan].words[1].w;
-    let found = crossings(in.fan, flags, in.position.xy - 0.5 - box_of(in.fan).xy);
+    var rest = crossings(in);
     var sum = NOTHING;
-    for (var i = 0u; i < PARTS; i++) {
-        if !(found.leave[i].x < LARGEST) || !(found.enter[i].x < LARGEST) {
-            break;
-        }
-        let part = part_between(in, flags, found.enter[i], found.leave[i]);
+    while max(rest.enter[0].x, rest.leave[0].x) < LARGEST {
+        let part = part_between(in, rest.enter[0], rest.leave[0]);
         if part.length_world > 0.0 {
             sum = over(sum, of_segment(part, in.span));
         }
+        rest = without_nearest(rest);
     }
     return sum;
 }

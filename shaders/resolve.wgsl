@@ -37,5 +37,5 @@ fn mip(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
         return vec4<f32>(0.0);
     }
     let s = largest.r / frame.s_scale + frame.s_middle;
-    return vec4<f32>(color_at(piece_of(s), s), 1.0);
+    return vec4<f32>(color_at(pieces[piece_of(s)], s), 1.0);
 }

@@ -1,34 +1,8 @@
-// Emission and absorption apart (src/optics/emission.rs, absorption.rs): RGB ∫ c κ dt, A ∫ κ dt, added up in any order.
+// Emission and absorption apart (src/optics/emission.rs, absorption.rs): RGB ∫ c κ dt, A ∫ κ dt.
 
-fn of_piece(k: u32, part: Segment) -> vec4<f32> {
-    let k0 = extinction_at(k, part.enter);
-    let k1 = extinction_at(k, part.leave);
-    let light = product_mean(k0, k1, color_at(k, part.enter), color_at(k, part.leave));
+fn of_piece(piece: Piece, part: Segment) -> vec4<f32> {
+    let k0 = extinction_at(piece, part.enter);
+    let k1 = extinction_at(piece, part.leave);
+    let light = product_mean(k0, k1, color_at(piece, part.enter), color_at(piece, part.leave));
     return part.length_world * vec4<f32>(light, 0.5 * (k0 + k1));
-}
-
-// What a cell without a part of the ray gives.
-const NOTHING = vec4<f32>(0.0);
-
-fn over(front: vec4<f32>, back: vec4<f32>) -> vec4<f32> {
-    return front + back;
-}
-
-fn of_segment(ray: Segment, span: vec2<u32>) -> vec4<f32> {
-    if span.x == span.y {
-        return of_piece(span.x, ray);
-    }
-    var sum = NOTHING;
-    for (var k = span.x; k <= span.y; k++) {
-        let part = cut(ray, k);
-        if part.length_world > 0.0 {
-            sum += of_piece(k, part);
-        }
-    }
-    return sum;
-}
-
-@fragment
-fn fragment(in: Fragment) -> @location(0) vec4<f32> {
-    return of_cell(in);
 }

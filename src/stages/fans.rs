@@ -135,6 +135,11 @@ pub struct Contents {
 }
 
 impl Contents {
+    /// Whether nothing but fans and their triangles is drawn, no boxes.
+    pub fn has_only_fans(self) -> bool {
+        !self.has_planes && self.whole_cells != Some(Faces::Exact)
+    }
+
     /// The fans whose room one record takes, whatever it is.
     pub fn fans_per_record(self) -> usize {
         match self.whole_cells {

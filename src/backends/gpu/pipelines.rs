@@ -29,7 +29,6 @@ pub(super) struct Draw {
 pub(super) struct Pipelines {
     of: Shading,
     shaders: ModelShaders,
-    module: wgpu::ShaderModule,
     /// For what there may be among the fans.
     draw: Vec<(Draw, wgpu::RenderPipeline)>,
     /// Indices of [`FANS_PER_DRAW`] fans.
@@ -94,7 +93,6 @@ impl Pipelines {
                 count: None,
             }],
         );
-        let module = shaders::module(device, "fans", shaders.draw_text());
         let frame = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("frame"),
             size: size_of::<FrameUniform>() as u64,
@@ -104,7 +102,6 @@ impl Pipelines {
         Self {
             of: shading,
             shaders,
-            module,
             draw: Vec::new(),
             indices: buffer_of(gpu, "indices", BufferUsages::INDEX, bytemuck::cast_slice(&indices())),
             frame,
@@ -175,11 +172,11 @@ impl Pipelines {
             fragment = "fragment_in_order";
         }
         let target = (accumulated_format(gpu), Some(blend_state(self.shaders.blend)));
-        let Contents { has_planes, whole_cells } = contents;
-        let constants = [("HAS_PLANES", has_planes), ("HAS_HEXAHEDRA", whole_cells == Some(Faces::Exact))]
-            .map(|(name, is_set)| (name, f64::from(u8::from(is_set))));
-        let vertex = if whole_cells == Some(Faces::Fan) { "vertex_of_triangle" } else { "vertex" };
-        let shader = Shader { module: &self.module, vertex, fragment, constants: &constants };
+        let has_hexahedra = contents.whole_cells == Some(Faces::Exact);
+        let constants = [("HAS_HEXAHEDRA", f64::from(u8::from(has_hexahedra)))];
+        let vertex = if contents.whole_cells == Some(Faces::Fan) { "vertex_of_triangle" } else { "vertex" };
+        let module = shaders::module(&gpu.device, "fans", self.shaders.draw_text(contents));
+        let shader = Shader { module: &module, vertex, fragment, constants: &constants };
         let depth = is_checked.then(|| depth_stencil_state(gpu));
         self.draw.push((draw, pipeline(gpu, &layouts, shader, target, depth)));
     }

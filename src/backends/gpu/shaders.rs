@@ -5,7 +5,7 @@
 
 use crate::backends::TILE_PX;
 use crate::optics::{Integral, Model, Output, Shading, wgsl};
-use crate::stages::fans::PlanesFor;
+use crate::stages::fans::{Contents, PlanesFor};
 
 macro_rules! shader {
     ($name:literal) => {
@@ -40,20 +40,20 @@ pub(super) struct ModelShaders {
 
 /// The table of models.
 pub(super) fn of(Shading { model, integral, output, has_bands }: Shading) -> ModelShaders {
-    let sums: &[&str] = &[shader!("ramp"), shader!("sums")];
-    let depths: &[&str] = if has_bands { &[shader!("ramp"), shader!("band_depths")] } else { sums };
+    let sums: &[&str] = &[shader!("totals"), shader!("ramp"), shader!("sums")];
+    let depths: &[&str] = if has_bands { &[shader!("totals"), shader!("ramp"), shader!("band_depths")] } else { sums };
     let (fragment, blend, resolve): (&[&str], _, _) = match (model, integral) {
         (Model::EmissionAbsorption, Integral::Exact) if has_bands => {
             (&[shader!("ramp"), shader!("band_light")], Blend::OverByChannel, "as_it_is")
         }
         (Model::EmissionAbsorption, Integral::Exact) => {
-            (&[shader!("ramp"), shader!("emission_absorption")], Blend::Over, "as_it_is")
+            (&[shader!("light"), shader!("ramp"), shader!("emission_absorption")], Blend::Over, "as_it_is")
         }
         (Model::EmissionAbsorption, Integral::Average) => {
-            (&[shader!("averaged"), shader!("ends")], Blend::Over, "as_it_is")
+            (&[shader!("light"), shader!("averaged"), shader!("ends")], Blend::Over, "as_it_is")
         }
         (Model::EmissionAbsorption, Integral::Texture) => {
-            (&[shader!("textured"), shader!("ends")], Blend::Over, "as_it_is")
+            (&[shader!("light"), shader!("textured"), shader!("ends")], Blend::Over, "as_it_is")
         }
         (Model::Absorption, _) => match output {
             Output::Intensity => (depths, Blend::Add, "absorption"),
@@ -74,8 +74,8 @@ pub(super) fn of(Shading { model, integral, output, has_bands }: Shading) -> Mod
 }
 
 impl ModelShaders {
-    /// The shader that draws fans.
-    pub(super) fn draw_text(&self) -> String {
+    /// The shader that draws fans, and what `contents` says may stand among them.
+    pub(super) fn draw_text(&self, contents: Contents) -> String {
         let requirements = if self.blend == Blend::OverByChannel { "enable dual_source_blending;" } else { "" };
         let constants = wgsl::constants();
         let tile = format!("const TILE_PX: u32 = {TILE_PX}u;");
@@ -88,11 +88,20 @@ impl ModelShaders {
             shader!("intervals"),
             shader!("integral"),
             shader!("fans"),
-            shader!("hexahedra"),
             shader!("cases"),
             shader!("order"),
         ];
-        common.into_iter().chain(self.fragment.iter().copied()).collect::<Vec<_>>().join("\n")
+        let of_cell: &[&str] = if contents.has_only_fans() {
+            &[shader!("only_fans")]
+        } else {
+            &[shader!("records"), shader!("planes"), shader!("hexahedra")]
+        };
+        common
+            .into_iter()
+            .chain(of_cell.iter().copied())
+            .chain(self.fragment.iter().copied())
+            .collect::<Vec<_>>()
+            .join("\n")
     }
 }
 

@@ -11,7 +11,10 @@ use crate::optics::integral::{
     segment_weights, segment_weights_average, segment_weights_thin, segment_weights_very_thin,
 };
 use crate::optics::{Integral, Model, Output, Shading, wgsl};
-use crate::stages::fans::{CaseFan, Fan, HexFan, PlaneFan};
+use crate::stages::fans::{CaseFan, Contents, Faces, Fan, HexFan, PlaneFan};
+
+const ONLY_FANS: Contents = Contents { has_planes: false, whole_cells: None };
+const RECORDS: Contents = Contents { has_planes: true, whole_cells: Some(Faces::Exact) };
 
 fn all_shadings() -> Vec<Shading> {
     let models = Model::ALL.into_iter().flat_map(|model| Integral::ALL.map(|integral| (model, integral)));
@@ -43,7 +46,7 @@ macro_rules! offsets {
 #[test]
 fn shaders_parse_and_read_what_rust_writes() {
     for shading in all_shadings() {
-        let text = shaders::of(shading).draw_text();
+        let text = shaders::of(shading).draw_text(RECORDS);
         let module =
             naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
         let frame = offsets!(
@@ -84,7 +87,7 @@ fn shaders_parse_and_read_what_rust_writes() {
         offset_of!(HexFan, corners),
     ];
     assert_eq!(hexahedron.map(words), [(0, 0), (0, 2), (1, 0), (1, 3), (2, 0)]);
-    let text = shaders::of(Shading::default()).draw_text();
+    let text = shaders::of(Shading::default()).draw_text(RECORDS);
     for (name, value) in [
         ("DIAGONALS", HexFan::DIAGONALS),
         ("IS_HOMOGENEOUS", HexFan::IS_HOMOGENEOUS),
@@ -106,7 +109,9 @@ fn shaders_parse_and_read_what_rust_writes() {
 
 #[test]
 fn all_shaders_are_valid() {
-    let texts = all_shadings().into_iter().map(|shading| shaders::of(shading).draw_text());
+    let texts = all_shadings()
+        .into_iter()
+        .flat_map(|shading| [ONLY_FANS, RECORDS].map(|contents| shaders::of(shading).draw_text(contents)));
     for text in texts.chain([shaders::resolve_text()]) {
         let module =
             naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
