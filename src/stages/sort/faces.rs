@@ -134,7 +134,8 @@ pub(super) fn triangles(dataset: &Dataset, cell: usize, k: usize) -> ArrayVec<[u
         let vertex = hexahedra.get(cell);
         triangles.extend(hexahedra.shape(cell).triangles(k).map(|triangle| triangle.map(|i| vertex[usize::from(i)])));
     } else {
-        let [a, b, c] = FACES[k].map(|i| dataset.tets.get(cell)[i]);
+        let tet = dataset.tets.get(cell);
+        let [a, b, c] = FACES[k].map(|i| tet[i]);
         triangles.push(if is_outward(dataset, cell, k) { [a, b, c] } else { [a, c, b] });
     }
     triangles

@@ -6,18 +6,12 @@
 //! O(relations) for each time that a component falls apart, over its own cells.
 
 use super::graph::{Graph, Relation, farther, nearer, relation};
-use super::layers::Layering;
 use crate::stages::sort::adjacency::Across;
 
 const NONE: u32 = u32::MAX;
 
 /// Cuts all cycles among `cells`, ascending; how many cells were let go. `depth` is a key that orders nearly.
-pub(super) fn cut<A: Across>(
-    graph: &mut Graph<A>,
-    layering: &mut Layering,
-    cells: Vec<u32>,
-    depth: impl Fn(u32) -> u32,
-) -> u64 {
+pub(super) fn cut<A: Across>(graph: &mut Graph<A>, cells: Vec<u32>, depth: impl Fn(u32) -> u32) -> u64 {
     let mut places = vec![NONE; graph.len()];
     let mut into: Vec<Relation> = graph.relations.iter().map(|&r| relation(farther(r), nearer(r))).collect();
     into.sort_unstable();
@@ -31,15 +25,13 @@ pub(super) fn cut<A: Across>(
             let neighbours: Vec<u32> = graph.neighbours_before(cell).collect();
             for other in neighbours {
                 if cells.binary_search(&other).is_ok() {
-                    let faces = graph.forget_neighbour(other, cell);
-                    layering.release(cell, faces);
+                    graph.forget_neighbour(other, cell);
                 }
             }
             let start = into.partition_point(|&r| nearer(r) < cell);
             for &r in into[start..].iter().take_while(|&&r| nearer(r) == cell) {
                 if cells.binary_search(&farther(r)).is_ok() {
                     cut_relations.push(relation(farther(r), cell));
-                    layering.release(cell, 1);
                 }
             }
             let_go += 1;

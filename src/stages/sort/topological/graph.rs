@@ -23,7 +23,7 @@ impl Sides {
     }
 
     #[inline]
-    fn only_before(self) -> u8 {
+    pub(super) fn only_before(self) -> u8 {
         self.before & !self.after
     }
 
@@ -105,8 +105,8 @@ impl<A: Across> Graph<'_, A> {
         self.neighbours_after(cell).chain(self.relations_after(cell).iter().map(|&r| farther(r)))
     }
 
-    /// Forgets that neighbour `nearer` comes before `cell`; how many faces said so.
-    pub(super) fn forget_neighbour(&mut self, nearer: u32, cell: u32) -> u32 {
+    /// Forgets that neighbour `nearer` comes before `cell`.
+    pub(super) fn forget_neighbour(&mut self, nearer: u32, cell: u32) {
         let faces_of = |cell: u32, faces: u8, neighbour: u32| {
             let faces = self.neighbours.across(cell, faces).filter(move |&(_, other)| other == neighbour);
             faces.fold(0_u8, |bits, (k, _)| bits | 1 << k)
@@ -115,6 +115,5 @@ impl<A: Across> Graph<'_, A> {
         let after = faces_of(nearer, self.sides_from_cell[nearer as usize].only_after(), cell);
         self.sides_from_cell[cell as usize].before &= !before;
         self.sides_from_cell[nearer as usize].after &= !after;
-        before.count_ones()
     }
 }

@@ -26,13 +26,12 @@ mod tests;
 mod triangle;
 
 use glam::Vec3;
-use rayon::prelude::*;
 
 use self::exterior::Exterior;
 use self::graph::{Graph, Relation, Sides};
 use self::layers::Layering;
 use self::outline::Seen;
-use super::adjacency::{Across, Adjacency};
+use super::adjacency::{Across, Adjacency, Face};
 use super::centroid::Centroid;
 use super::{Toward, key_of_depth};
 use crate::columns::Dataset;
@@ -72,35 +71,33 @@ impl Topological {
 
         let centroid = Centroid::new(view);
         let corner = |v: u32| Vec3::from_array(vertices[v as usize].position);
+        let exterior = adjacency.exterior();
         let (layers, let_go) = if dataset.hexahedra.is_empty() {
-            self.layers(adjacency.tet_rows(), |cell| centroid.depth(dataset.tets.get(cell).map(corner)))
+            let depth = |cell: u32| centroid.depth(dataset.tets.get(cell as usize).map(corner));
+            self.layers(adjacency.tet_rows(), exterior, depth)
         } else {
             let hexahedra = dataset.hexahedra.view();
-            self.layers(adjacency.rows(dataset), |cell| match cell.checked_sub(dataset.tets.len()) {
-                None => centroid.depth(dataset.tets.get(cell).map(corner)),
+            let depth = |cell: u32| match (cell as usize).checked_sub(dataset.tets.len()) {
+                None => centroid.depth(dataset.tets.get(cell as usize).map(corner)),
                 Some(cell) => centroid.depth(hexahedra.get(cell).map(corner)),
-            })
+            };
+            self.layers(adjacency.rows(dataset), exterior, depth)
         };
         Layers { layers, cycles: both_ways + let_go, relations }
     }
 
     /// Finds the layers of cells whose sides and relations are known; how many there are, and how many cells were let go. `depth` is a
     /// key that orders nearly.
-    fn layers(&mut self, neighbours: impl Across, depth: impl Fn(usize) -> f32) -> (u32, u64) {
+    fn layers(&mut self, neighbours: impl Across, exterior: &[Face], depth: impl Fn(u32) -> f32) -> (u32, u64) {
         let Self { sides_from_cell, relations, layering, layer_from_cell, .. } = self;
         let mut graph = Graph { neighbours, sides_from_cell, relations };
-        let cells = graph.len();
-        layering.begin(&graph);
-        let all = || (0..cells as u32).into_par_iter();
-        let placed = layering.place(&graph, &layering.waiting(all(), false));
+        let (mut layers, are_all) = layering.place(&graph, exterior, layer_from_cell);
         let mut let_go = 0;
-        if placed < cells as u64 {
-            let waiting = layering.waiting(all(), true);
-            let depth = |cell: u32| key_of_depth(depth(cell as usize));
-            let_go = cycles::cut(&mut graph, layering, waiting.clone(), depth);
-            layering.place(&graph, &layering.waiting(waiting.into_par_iter(), false));
+        if !are_all {
+            let_go = cycles::cut(&mut graph, layering.waiting(), |cell| key_of_depth(depth(cell)));
+            (layers, _) = layering.place(&graph, exterior, layer_from_cell);
         }
-        (layering.finish(layer_from_cell), let_go)
+        (layers, let_go)
     }
 
     /// The layer of each cell in the last order, 0 the nearest: cells of one layer hide nothing of each other.

@@ -5,6 +5,7 @@ mod whole;
 use std::collections::{BTreeSet, HashSet};
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::*;
 use crate::columns::{CellCounts, Points, TetMesh};
