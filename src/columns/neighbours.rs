@@ -2,8 +2,8 @@
 //!
 //! Most faces are shared within a block of cells, which lie together in space, and are found there, block by block; the sides that are
 //! left over are sorted, and two that follow each other are those of one face. Here in memory; a container sorts what is left over in a
-//! budget. Where more than two cells meet at a face, those on either side of it are paired in the order of the cells, those of one block
-//! first; one left over has no neighbour.
+//! budget. Where more than two cells meet at a face, those on either side of it are paired as brackets are, in the order of the cells,
+//! those of one block first; what is left over has no neighbour.
 
 use std::ops::Range;
 
@@ -172,23 +172,27 @@ impl Side {
     }
 }
 
-/// Finds the two sides of faces among sides that come in order.
+/// Finds the two sides of faces among sides that come in order, as brackets are paired.
 #[derive(Default)]
 pub(crate) struct Joiner {
-    /// The side before, unless it has been joined.
-    last: Option<Side>,
+    /// Sides of one face that have no other yet: one, as a rule.
+    waiting: Vec<Side>,
 }
 
 impl Joiner {
-    /// Takes the next side, and gives the one before and this where they are the sides of one face.
+    /// Takes the next side, and gives the last that waited and this where they are the sides of one face.
     pub(crate) fn join(&mut self, side: Side) -> Option<[Side; 2]> {
-        let last = self.last.replace(side)?;
-        // A cell that is folded upon itself is not its own neighbour.
-        if !last.of_face().is_across(side.of_face()) || last.cell() == side.cell() {
-            return None;
+        let face = side.of_face();
+        match self.waiting.last() {
+            // A cell that is folded upon itself is not its own neighbour.
+            Some(last) if last.of_face().is_across(face) && last.cell() != side.cell() => {
+                return self.waiting.pop().map(|last| [last, side]);
+            }
+            Some(last) if last.of_face().name != face.name => self.waiting.clear(),
+            _ => {}
         }
-        self.last = None;
-        Some([last, side])
+        self.waiting.push(side);
+        None
     }
 }
 
@@ -212,7 +216,7 @@ pub(crate) fn within_block<const N: usize>(faces: &Faces, first: usize, rows: &m
                 open.push(side);
                 continue;
             };
-            // The side before had been left open.
+            // It was the last to be left open.
             open.pop();
             rows[one.cell() - first][one.face()] = other.cell() as u32;
             rows[other.cell() - first][other.face()] = one.cell() as u32;
