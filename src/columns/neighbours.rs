@@ -197,7 +197,7 @@ impl Joiner {
 }
 
 /// Fills the rows of a block, whose first cell is `first`, with what lies across within the block; the sides whose other is elsewhere.
-pub(crate) fn within_block<const N: usize>(faces: &Faces, first: usize, rows: &mut [[u32; N]]) -> Vec<Side> {
+fn within_block<const N: usize>(faces: &Faces, first: usize, rows: &mut [[u32; N]]) -> Vec<Side> {
     let mut sides = Vec::with_capacity(N * rows.len());
     for cell in first..first + rows.len() {
         faces.for_each(cell, |k, face| sides.push(Side::new(cell, k, face)));
