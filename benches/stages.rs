@@ -9,7 +9,7 @@ mod support;
 use std::hint::black_box;
 
 use cellfan::cells::HEXAHEDRON;
-use cellfan::columns::{BlockView, CellCounts, CellMesh, Dataset, Points, StructuredCells};
+use cellfan::columns::{BlockView, CellCounts, CellMesh, Dataset, Neighbours, Points, StructuredCells};
 use cellfan::generate::Kind;
 use cellfan::optics::integral::segment_weights_average;
 use cellfan::optics::{CullTable, LANES, Pieces, SegmentWeights, segment_weights, segment_weights_thin};
@@ -295,6 +295,10 @@ fn bench_topological(criterion: &mut Criterion) {
     let sides = adjacency.neighbours_from_tet().iter().flatten().filter(|&&other| other != Adjacency::NONE).count();
     assert!(sides % 2 == 0 && sides + adjacency.exterior().len() == 4 * dataset.tets.len());
     assert!(adjacency.exterior().len() < sides / 10);
+    // As from a container: compared with the cells, not made.
+    let stored = Dataset { adjacency: Some(Neighbours::new(dataset)), ..dataset.clone() };
+    group.bench_function("adjacency/stored", |b| b.iter(|| Adjacency::new(black_box(&stored))));
+    assert!(Adjacency::new(&stored).is_stored() && !adjacency.is_stored());
 
     throughput(&mut group, seen.cells(), 64);
     let mut topological = Topological::default();

@@ -20,7 +20,7 @@ pub use diagonals::diagonals;
 pub use hexahedron::HEXAHEDRON;
 pub use pyramid::PYRAMID;
 pub use split::split;
-pub use tetrahedron::TETRAHEDRON;
+pub use tetrahedron::{OPPOSITE_FACES, OUTWARD_IF_POSITIVE, TETRAHEDRON};
 pub use triangles::{face_triangles, hexahedron_of};
 pub use voxel::VOXEL;
 pub use wedge::WEDGE;

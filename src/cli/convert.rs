@@ -33,7 +33,8 @@ pub(super) struct Arguments {
     /// tetrahedra.
     #[arg(long, value_name = "CELLS", default_value = "whole", value_parser = one_of(Cells::NAMED))]
     cells: Cells,
-    /// Also write which cells share a face, 16 bytes a cell: an order by neighbours then need not find it. For tetrahedra.
+    /// Also write which cells share a face, which an order by neighbours then need not find: 16 bytes a tetrahedron, 24 a
+    /// hexahedron, wedge, pyramid or voxel, nothing in structured blocks.
     #[arg(long)]
     adjacency: bool,
 }
@@ -41,7 +42,8 @@ pub(super) struct Arguments {
 const EXAMPLES: &str = "\
 Examples:
   cellfan convert mesh.vtu mesh.cells
-  cellfan convert --cells tetrahedra --adjacency grid.vts tetrahedra.cells
+  cellfan convert --adjacency mesh.vtu mesh.cells
+  cellfan convert --cells tetrahedra grid.vts tetrahedra.cells
   cellfan convert left.vtu right.vtu both.cells
   cellfan convert --memory 500M huge.vtu huge.cells";
 
@@ -74,7 +76,7 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
     match mesh.into_whole_in(&scratch).map_err(in_file)? {
         WholeCells::Listed(cells) => write(&cells, output, &options).map_err(in_file)?,
         WholeCells::Structured(cells) => {
-            told(output, |tell| container::write_structured(cells, output, &options, tell)).map_err(in_file)?
+            told(output, |tell| container::write_structured(cells, output, tell)).map_err(in_file)?
         }
     };
     Ok(())

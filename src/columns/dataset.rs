@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 
 use arrayvec::ArrayVec;
 
-use super::{Array, Backing, BitColumn, BlockTets, Column, Hexahedra, HexahedraView, Tets};
+use super::{Array, Backing, BitColumn, BlockTets, Column, Hexahedra, HexahedraView, Neighbours, Tets};
 
 /// A box in space; empty when a minimum exceeds its maximum.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,8 +134,8 @@ pub struct Dataset {
     pub arrays: Vec<Array>,
     /// What is known of the values of each array, where a container says it; else empty.
     pub array_ranges: Vec<ArrayRanges>,
-    /// The cell across the face opposite to each vertex of each cell, `u32::MAX` where there is none; where a container has it.
-    pub adjacency: Option<Column<[u32; 4]>>,
+    /// Which cell lies across each face of listed cells; where a container has it.
+    pub adjacency: Option<Neighbours>,
     /// The cells in runs of [`Dataset::BLOCK_CELLS`] of one kind, in order.
     pub blocks: Vec<Block>,
     /// The box around all cells.

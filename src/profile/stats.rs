@@ -67,6 +67,8 @@ pub struct OrderStats {
     pub cycles: Option<u64>,
     /// Layers of cells that do not overlap.
     pub layers: Option<u32>,
+    /// Where the visibility graph has its neighbours from: `"stored"` in a container, or `"built"` from the cells.
+    pub adjacency: Option<&'static str>,
     /// Places where compositing met a cell nearer than the one before it.
     pub violations: Option<u64>,
     /// Tiles composited again in another order.
@@ -212,6 +214,7 @@ mod tests {
                 misordered_pairs: Some(0),
                 cycles: Some(3),
                 layers: Some(43),
+                adjacency: Some("built"),
                 violations: None,
                 tiles_redone: 7,
             },
@@ -229,7 +232,7 @@ mod tests {
         stats.frame.note_memory(Some(2048));
         stats.after.note_memory(Some(1024));
         assert_eq!(stats.cells.accounted(), stats.cells.total);
-        let expected = r#"{"cells":{"total":21,"drawn":6,"culled_transparent":5,"culled_outside":4,"degenerate":3,"invalid":2,"skipped":1,"by_class":{"two":2,"one":4}},"triangles":9,"order":{"kind":"topological","exactness":{"cycles_broken":3},"misordered_pairs":0,"cycles":3,"layers":43,"violations":null,"tiles_redone":7},"stages":{"read":{"ms":8.0,"bytes":640},"cull":{"ms":0.5,"bytes":12},"composite":{"ms":2.0,"bytes":0},"encode":{"ms":1.0,"bytes":64}},"frame_ms":2.5,"frames":[4.0,1.5,2.0,3.0],"backend":"cpu","adapter":null,"threads":2,"peak_rss_bytes":4096,"peak_anonymous_bytes":2048,"memory_bytes":8192}"#;
+        let expected = r#"{"cells":{"total":21,"drawn":6,"culled_transparent":5,"culled_outside":4,"degenerate":3,"invalid":2,"skipped":1,"by_class":{"two":2,"one":4}},"triangles":9,"order":{"kind":"topological","exactness":{"cycles_broken":3},"misordered_pairs":0,"cycles":3,"layers":43,"adjacency":"built","violations":null,"tiles_redone":7},"stages":{"read":{"ms":8.0,"bytes":640},"cull":{"ms":0.5,"bytes":12},"composite":{"ms":2.0,"bytes":0},"encode":{"ms":1.0,"bytes":64}},"frame_ms":2.5,"frames":[4.0,1.5,2.0,3.0],"backend":"cpu","adapter":null,"threads":2,"peak_rss_bytes":4096,"peak_anonymous_bytes":2048,"memory_bytes":8192}"#;
         assert_eq!(serde_json::to_string(&stats).unwrap(), expected);
 
         let folder = tempfile::tempdir().unwrap();

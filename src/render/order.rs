@@ -20,6 +20,8 @@ pub(super) struct FrameOrder {
     pub(super) is_exact: bool,
     /// What the topological order came to, where that is the key.
     layers: Option<Layers>,
+    /// Whether the neighbours that it follows are those of a container, where that is the key.
+    has_stored_adjacency: Option<bool>,
 }
 
 impl Renderer {
@@ -35,7 +37,7 @@ impl Renderer {
         topological: &mut Topological,
         profile: &mut Profile,
     ) -> FrameOrder {
-        let by = |key| FrameOrder { key, is_exact: false, layers: None };
+        let by = |key| FrameOrder { key, is_exact: false, layers: None, has_stored_adjacency: None };
         match self.options.sort {
             _ if self.options.model.is_order_free() => by(SortKey::None),
             SortMethod::None => by(SortKey::None),
@@ -55,7 +57,8 @@ impl Renderer {
                         SortMethod::Auto => layers.cycles > 0,
                         _ => false,
                     };
-                FrameOrder { layers: Some(layers), is_exact, ..by(SortKey::Topological) }
+                let has_stored_adjacency = Some(adjacency.is_stored());
+                FrameOrder { layers: Some(layers), is_exact, has_stored_adjacency, ..by(SortKey::Topological) }
             }
         }
     }
@@ -80,6 +83,7 @@ impl Renderer {
             misordered_pairs,
             cycles: order.layers.map(|layers| layers.cycles),
             layers: order.layers.map(|layers| layers.layers),
+            adjacency: order.has_stored_adjacency.map(|is_stored| if is_stored { "stored" } else { "built" }),
             violations,
             tiles_redone: counts.tiles_redone,
         }

@@ -24,7 +24,7 @@ pub struct Scene {
     pub(super) transfer: TransferFunction,
     pub(super) best_key: SortKey,
     pub(super) bands: Option<SceneBands>,
-    /// Made when an order first asks for it.
+    /// Taken from the dataset or made, when an order first asks for it.
     adjacency: OnceLock<Adjacency>,
 }
 
@@ -144,7 +144,7 @@ impl Scene {
         scene_bytes(&self.dataset, &self.field, &self.vertices) + self.band_bytes() + adjacency
     }
 
-    /// Which cells share a face; made at the first call.
+    /// Which cells share a face; taken from the dataset or made at the first call.
     pub(super) fn adjacency(&self, profile: &mut Profile) -> &Adjacency {
         self.adjacency.get_or_init(|| profile.time("adjacency", || Adjacency::new(&self.dataset)))
     }

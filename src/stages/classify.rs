@@ -10,6 +10,7 @@
 mod counts;
 pub mod polyhedra;
 
+pub use crate::cells::{OPPOSITE_FACES as FACES, OUTWARD_IF_POSITIVE};
 pub use counts::{CellClass, ClassCounts};
 
 use glam::Vec2;
@@ -60,12 +61,6 @@ pub struct Classified {
     /// Whether the thick vertex belongs to the front faces (classes 1 and 3).
     pub inner_is_front: bool,
 }
-
-/// The vertices of the face opposite to each vertex, ascending.
-pub const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]];
-
-/// For a positive cell with ascending vertices: whether face k's canonical normal (b−a)×(c−a) points outwards.
-pub const OUTWARD_IF_POSITIVE: [bool; 4] = [true, false, true, false];
 
 /// +1 for a front-facing, −1 for a back-facing, 0 for an edge-on face k, for each of the cell's four faces.
 #[inline]

@@ -126,8 +126,6 @@ fn convert_cuts_cells_where_it_is_told() {
             place.run(["convert", mesh, name, "--memory", memory]).succeeds();
             assert!(place.read(name) == place.read("whole.cells"), "{mesh}, {memory}");
         }
-        place.run(["convert", mesh, "no.cells", "--adjacency"]).fails(1, &["--adjacency", "--cells tetrahedra"]);
-        assert!(!place.names().contains(&"no.cells".to_owned()));
     }
     // Of tetrahedra both are the same file.
     place.run(["generate", "tets", "--cells", "3000", "-o", "tets.vtu"]).succeeds();
@@ -135,6 +133,62 @@ fn convert_cuts_cells_where_it_is_told() {
     place.run(["convert", "tets.vtu", "b.cells", "--cells", "tetrahedra"]).succeeds();
     assert!(place.read("a.cells") == place.read("b.cells") && place.read("a.cells")[8] == 1, "version 1");
     assert_eq!(place.read("whole.cells")[8], 2);
+}
+
+/// The bytes of the column that `adjacency` of a container's directory, or of its hexahedra, points at.
+fn adjacency_columns(container: &[u8]) -> Vec<std::ops::Range<usize>> {
+    let word = |at: usize| u64::from_le_bytes(container[at..at + 8].try_into().unwrap()) as usize;
+    let directory: serde_json::Value = serde_json::from_slice(&container[word(24)..][..word(32)]).unwrap();
+    let span = |entry: &serde_json::Value| {
+        let number = |name: &str| entry["adjacency"][name].as_u64().map(|number| number as usize);
+        number("offset").zip(number("bytes")).map(|(offset, bytes)| offset..offset + bytes)
+    };
+    [&directory, &directory["hexahedra"]].into_iter().filter_map(span).collect()
+}
+
+#[test]
+fn stored_neighbours_give_the_order_where_they_are_right() {
+    let place = Place::new();
+    std::fs::write(place.path("mixed.vtk"), grid(false)).unwrap();
+    std::fs::write(place.path("block.vtk"), grid(true)).unwrap();
+    place.run(["generate", "delaunay", "--cells", "3000", "-o", "tets.vtu"]).succeeds();
+    let order = |mesh: &str, size: &str| {
+        let arguments = format!("render {mesh} --sort topological --size {size} -o out.npy --stats stats.json");
+        place.run(arguments.split_whitespace()).succeeds();
+        let stats: serde_json::Value = serde_json::from_slice(&place.read("stats.json")).unwrap();
+        let layers = stats["order"]["layers"].as_u64().unwrap();
+        (place.read("out.npy"), layers, stats["order"]["adjacency"].as_str().unwrap().to_owned())
+    };
+    for (mesh, columns) in [("mixed.vtk", 2), ("tets.vtu", 1), ("block.vtk", 0)] {
+        place.run(["convert", mesh, "without.cells"]).succeeds();
+        place.run(["convert", mesh, "with.cells", "--adjacency"]).succeeds();
+        place.run(["info", "with.cells", "--check"]).succeeds();
+        let spans = adjacency_columns(&place.read("with.cells"));
+        assert_eq!((spans.len(), adjacency_columns(&place.read("without.cells")).len()), (columns, 0), "{mesh}");
+        let (expected, found) = (order("without.cells", "61x50"), order("with.cells", "61x50"));
+        assert!((&expected.0, expected.1) == (&found.0, found.1), "{mesh}: another order");
+        let origin = if columns > 0 { "stored" } else { "built" };
+        assert_eq!((expected.2.as_str(), found.2.as_str()), ("built", origin), "{mesh}");
+
+        let write_columns_of = |byte: u8| {
+            let mut bytes = place.read("with.cells");
+            for span in &spans {
+                bytes[span.clone()].fill(byte);
+            }
+            std::fs::write(place.path("other.cells"), &bytes).unwrap();
+        };
+        if columns > 0 {
+            // That there are no neighbours is believed: four rays alone relate cells, which leaves fewer layers.
+            write_columns_of(0xff);
+            let [some, all] = ["other.cells", "with.cells"].map(|mesh| order(mesh, "2x2"));
+            assert!(some.2 == "stored" && some.1 < all.1, "{mesh}: {} of {} layers", some.1, all.1);
+            // That cell 0 is everyone's is not.
+            write_columns_of(0);
+            let wrong = order("other.cells", "61x50");
+            assert!((wrong.0, wrong.1, wrong.2.as_str()) == (expected.0, expected.1, "built"), "{mesh}");
+            place.run(["info", "other.cells", "--check"]).fails(1, &["column adjacency", "checksum is wrong"]);
+        }
+    }
 }
 
 #[test]

@@ -320,7 +320,7 @@ pub(crate) fn real() -> Seeds {
     seeds
 }
 
-/// Containers of generated meshes, with and without neighbours, and of whole cells, listed and structured.
+/// Containers of generated meshes, with and without neighbours, and of whole cells, listed with neighbours and structured.
 pub(crate) fn container() -> Seeds {
     use cellfan::generate::{Kind, Settings, generate};
     use cellfan::io::container::{WriteOptions, write, write_structured};
@@ -336,8 +336,10 @@ pub(crate) fn container() -> Seeds {
     let grids = vts().into_iter().zip(std::iter::repeat("a.vts")).chain(std::iter::once((mixed_vtk(), "a.vtk")));
     seeds.extend(grids.filter_map(|(file, name)| {
         let written = match read_mesh(&file, Path::new(name)).ok()?.into_whole_in(&Scratch::memory()).ok()? {
-            WholeCells::Listed(cells) => write(&cells, &path, &WriteOptions::default(), &|_, _, _| {}),
-            WholeCells::Structured(cells) => write_structured(cells, &path, &WriteOptions::default(), &|_, _, _| {}),
+            WholeCells::Listed(cells) => {
+                write(&cells, &path, &WriteOptions { adjacency: true, ..WriteOptions::default() }, &|_, _, _| {})
+            }
+            WholeCells::Structured(cells) => write_structured(cells, &path, &|_, _, _| {}),
         };
         written.ok().map(|_| std::fs::read(&path).unwrap())
     }));

@@ -6,7 +6,7 @@ use cellfan::columns::Dataset;
 use cellfan::io::{self, Mesh};
 use cellfan::optics::BandTable;
 use cellfan::optics::presets::{self, OpacityProfile};
-use cellfan::{Camera, FieldSelection, RenderOptions, Renderer, Scene, TransferFunction};
+use cellfan::{Camera, FieldSelection, RenderOptions, Renderer, Scene, SortMethod, TransferFunction};
 
 use crate::seeds::{self, Seeds};
 
@@ -187,10 +187,13 @@ fn camera(bytes: &[u8]) -> Result<(), String> {
 /// What can be read can be drawn.
 fn draw(bytes: &[u8]) -> Result<(), String> {
     let message = |error: cellfan::Error| error.to_string();
-    draw_dataset(io::read_vtk(bytes, Path::new("a.vtk")).and_then(Mesh::into_dataset).map_err(message)?)
+    draw_dataset(
+        io::read_vtk(bytes, Path::new("a.vtk")).and_then(Mesh::into_dataset).map_err(message)?,
+        SortMethod::Auto,
+    )
 }
 
-fn draw_dataset(dataset: Dataset) -> Result<(), String> {
+fn draw_dataset(dataset: Dataset, sort: SortMethod) -> Result<(), String> {
     let message = |error: cellfan::Error| error.to_string();
     let array = dataset.arrays.first().map(|array| FieldSelection::parse(&array.name, &dataset.arrays));
     let field =
@@ -200,7 +203,7 @@ fn draw_dataset(dataset: Dataset) -> Result<(), String> {
     let camera = Camera::framing(&dataset.corners_world(), 35.0, 20.0, 24, 17);
     let scene = Scene::new(dataset, field, &transfer);
     // Not that every pixel is finite: the lengths in a mesh of 1e38 across are not.
-    Renderer::new(RenderOptions::default()).render(&scene, &camera).map(drop).map_err(message)
+    Renderer::new(RenderOptions { sort, ..RenderOptions::default() }).render(&scene, &camera).map(drop).map_err(message)
 }
 
 /// A container read whole, drawn, and checked; every other one vouches for its length and directory, so that what lies behind
@@ -229,7 +232,9 @@ fn container(bytes: &[u8]) -> Result<(), String> {
     {
         check(&tetrahedra);
     }
-    draw_dataset(dataset)
+    // Neighbours are read where they are to give the order.
+    let sort = if dataset.adjacency.is_some() { SortMethod::Topological } else { SortMethod::Auto };
+    draw_dataset(dataset, sort)
 }
 
 /// Makes header and directory agree.

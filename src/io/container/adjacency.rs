@@ -1,155 +1,138 @@
 //! Which cells share a face, in bounded memory.
 //!
-//! In: the written cells. Out: a column, for each cell and each of its vertices the cell across the face opposite to it.
-//! Most faces are shared within a block and found there. The rest are sorted by their vertices, those that are equal are
-//! two sides of one face; what they found is sorted by cell and merged with what the blocks know.
+//! In: the written cells. Out: columns, for each cell and each of its faces the cell across: those of [`Neighbours`](crate::columns::Neighbours),
+//! found in the same way. What blocks leave over is sorted by face; what that finds is sorted by cell and merged with what the blocks know,
+//! which are looked at again: nothing is kept for each cell.
 
+use std::ops::Range;
 use std::path::Path;
 
 use rayon::prelude::*;
 
 use super::directory::Span;
-use super::external_sort::ExternalSort;
-use super::order::Tell;
+use super::external_sort::{ExternalSort, Sorted};
+use super::order::{CELLS_AT_ONCE, Tell};
 use super::sink::Sink;
 use super::write::Phase;
-use crate::columns::{Dataset, Tets};
+use crate::columns::{CellColumns, Faces, HEX_FACES, Joiner, Neighbours, Side, TET_FACES, within_blocks};
 use crate::error::Result;
 
-/// No cell lies across the face.
-pub(super) const NONE: u32 = u32::MAX;
+/// Words of what is found: a cell, which of its faces, and the cell across.
+const FOUND_WORDS: usize = 3;
 
-/// Blocks that are handled at once.
-const BLOCKS_AT_ONCE: usize = 64;
+/// Writes the columns of tetrahedra and of hexahedra, sorting in `memory_bytes`.
+pub(super) fn write(
+    cells: CellColumns,
+    path: &Path,
+    memory_bytes: u64,
+    sink: &mut Sink,
+    tell: Tell,
+) -> Result<[Span; 2]> {
+    let faces = Faces::new(cells);
+    let [tets, hexahedra] = faces.listed();
+    let (of_tets, of_hexahedra) = (0..tets, tets..tets + hexahedra);
+    let mut pass = Pass { faces: &faces, tell, done: 0, cells_of_passes: 2 * (tets + hexahedra) as u64 };
+    let mut open = ExternalSort::new(path, memory_bytes / 2);
+    pass.leave_over::<TET_FACES>(of_tets.clone(), &mut open)?;
+    pass.leave_over::<HEX_FACES>(of_hexahedra.clone(), &mut open)?;
+    let mut found = Found::new(join(open, path, memory_bytes / 2)?)?;
+    Ok([
+        pass.write_rows::<TET_FACES>(of_tets, &mut found, sink)?,
+        pass.write_rows::<HEX_FACES>(of_hexahedra, &mut found, sink)?,
+    ])
+}
 
-/// Writes the column, sorting in `memory_bytes`.
-pub(super) fn write(tets: &Tets, path: &Path, memory_bytes: u64, sink: &mut Sink, tell: Tell) -> Result<Span> {
-    let blocks = tets.len().div_ceil(Dataset::BLOCK_CELLS);
-    // Faces that have no other side in their block: three vertices, cell, which of its faces.
-    let mut open = ExternalSort::<5>::new(path, memory_bytes / 2);
-    for first in (0..blocks).step_by(BLOCKS_AT_ONCE) {
-        let end = (first + BLOCKS_AT_ONCE).min(blocks);
-        let faces: Vec<[u32; 5]> = (first..end).into_par_iter().flat_map_iter(|b| Faces::of(tets, b).open).collect();
-        open.push_all(&faces)?;
-        tell(Phase::Neighbours, end as u64, 2 * blocks as u64);
-    }
+/// Finds the two sides of each face among those that blocks left over; by cell.
+fn join<'a>(
+    open: ExternalSort<'a, { Side::WORDS }>,
+    path: &'a Path,
+    memory_bytes: u64,
+) -> Result<Sorted<'a, FOUND_WORDS>> {
+    let mut found = ExternalSort::new(path, memory_bytes);
+    let (mut joiner, mut some) = (Joiner::default(), Vec::new());
     let mut open = open.sorted()?;
-    let mut found = ExternalSort::<3>::new(path, memory_bytes / 2);
-    let (mut pairs, mut last) = (Vec::new(), None);
     while let Some(side) = open.next()? {
-        last = match last {
-            Some(other) if face_of(other) == face_of(side) => {
-                pairs.extend(both_sides(other, side));
-                // A third cell at a face is left without a neighbour there, in the order of the cells.
-                None
-            }
-            _ => Some(side),
-        };
-        if pairs.len() >= Dataset::BLOCK_CELLS * BLOCKS_AT_ONCE {
-            found.push_all(&pairs)?;
-            pairs.clear();
+        if let Some([one, other]) = joiner.join(bytemuck::cast(side)) {
+            let across = |side: Side, other: Side| [side.cell(), side.face(), other.cell()].map(|word| word as u32);
+            some.extend([across(one, other), across(other, one)]);
+        }
+        if some.len() >= CELLS_AT_ONCE {
+            found.push_all(&some)?;
+            some.clear();
         }
     }
-    found.push_all(&pairs)?;
+    found.push_all(&some)?;
+    found.sorted()
+}
 
-    let mut found = found.sorted()?;
-    let mut next = found.next()?;
-    let mut column = sink.column(Some(tets.len() as u64 * 16));
-    for first in (0..blocks).step_by(BLOCKS_AT_ONCE) {
-        let end = (first + BLOCKS_AT_ONCE).min(blocks);
-        let mut known: Vec<[u32; 4]> =
-            (first..end).into_par_iter().flat_map_iter(|b| Faces::of(tets, b).neighbours).collect();
-        let base = first * Dataset::BLOCK_CELLS;
-        while let Some([cell, face, neighbour]) = next
-            && (cell as usize) < base + known.len()
+/// What was found, cell by cell.
+struct Found<'a> {
+    sorted: Sorted<'a, FOUND_WORDS>,
+    next: Option<[u32; FOUND_WORDS]>,
+}
+
+impl<'a> Found<'a> {
+    fn new(mut sorted: Sorted<'a, FOUND_WORDS>) -> Result<Self> {
+        let next = sorted.next()?;
+        Ok(Self { sorted, next })
+    }
+
+    /// Fills in what was found of the cells from `first` on that `rows` has, if all before them have been asked for.
+    fn fill<const N: usize>(&mut self, first: usize, rows: &mut [[u32; N]]) -> Result<()> {
+        while let Some([cell, face, across]) = self.next
+            && let Some(row) = rows.get_mut(cell as usize - first)
         {
-            known[cell as usize - base][face as usize] = neighbour;
-            next = found.next()?;
+            row[face as usize] = across;
+            self.next = self.sorted.next()?;
         }
-        sink.append(&mut column, bytemuck::cast_slice(&known))?;
-        tell(Phase::Neighbours, (blocks + end) as u64, 2 * blocks as u64);
-    }
-    sink.finish(column)
-}
-
-fn face_of([a, b, c, _, _]: [u32; 5]) -> [u32; 3] {
-    [a, b, c]
-}
-
-fn both_sides([.., cell, face]: [u32; 5], [.., other_cell, other_face]: [u32; 5]) -> [[u32; 3]; 2] {
-    [[cell, face, other_cell], [other_cell, other_face, cell]]
-}
-
-/// What a block knows of its faces.
-struct Faces {
-    neighbours: Vec<[u32; 4]>,
-    open: Vec<[u32; 5]>,
-}
-
-impl Faces {
-    fn of(tets: &Tets, block: usize) -> Self {
-        let (view, first) = (tets.view(), block * Dataset::BLOCK_CELLS);
-        let cells = first..(first + Dataset::BLOCK_CELLS).min(tets.len());
-        let mut sides: Vec<[u32; 5]> = cells
-            .clone()
-            .flat_map(|cell| {
-                let [a, b, c, d] = view.get(cell);
-                let faces = [[b, c, d], [a, c, d], [a, b, d], [a, b, c]];
-                (0..4).map(move |k| [faces[k][0], faces[k][1], faces[k][2], cell as u32, k as u32])
-            })
-            .collect();
-        sides.sort_unstable();
-        let mut found = Self { neighbours: vec![[NONE; 4]; cells.len()], open: Vec::new() };
-        let mut rest = &sides[..];
-        while let Some((&side, after)) = rest.split_first() {
-            rest = after;
-            match after.split_first() {
-                Some((&other, after)) if face_of(other) == face_of(side) => {
-                    for [cell, face, neighbour] in both_sides(side, other) {
-                        found.neighbours[cell as usize - first][face as usize] = neighbour;
-                    }
-                    rest = after;
-                }
-                _ => found.open.push(side),
-            }
-        }
-        found
+        Ok(())
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use std::collections::HashMap;
+/// One look at all blocks, or two.
+struct Pass<'a> {
+    faces: &'a Faces<'a>,
+    tell: Tell<'a>,
+    done: u64,
+    cells_of_passes: u64,
+}
 
-    use super::*;
-    use crate::generate::{Kind, Settings, generate};
-    use crate::io::container::{WriteOptions, open, write as write_container};
+impl Pass<'_> {
+    /// Takes the sides of `cells`, all of one kind, whose other is not in the same block.
+    fn leave_over<const N: usize>(
+        &mut self,
+        cells: Range<usize>,
+        open: &mut ExternalSort<{ Side::WORDS }>,
+    ) -> Result<()> {
+        self.each(cells, |faces, first, rows: &mut [[u32; N]]| {
+            let sides: Vec<Side> = within_blocks(faces, first, rows).flatten_iter().collect();
+            open.push_all(bytemuck::cast_slice(&sides))
+        })
+    }
 
-    #[test]
-    fn neighbours_are_those_of_a_hash_map_in_any_memory() {
-        let mesh = generate(Kind::Delaunay, &Settings { cells: 30_000, ..Settings::default() }).unwrap();
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("mesh.cells");
-        for memory_bytes in [0, 1 << 30] {
-            let options = WriteOptions { memory_bytes, adjacency: true };
-            write_container(&mesh, &path, &options, &|_, _, _| {}).unwrap();
-            let dataset = open(&path, true).unwrap();
-            let adjacency = dataset.adjacency.as_ref().unwrap();
-            let mut cells_at = HashMap::<Vec<u32>, Vec<usize>>::new();
-            let face = |tet: [u32; 4], k: usize| (0..4).filter(|&i| i != k).map(|i| tet[i]).collect::<Vec<_>>();
-            for (cell, tet) in dataset.tets.iter().enumerate() {
-                (0..4).for_each(|k| cells_at.entry(face(tet, k)).or_default().push(cell));
-            }
-            let mut inner = 0;
-            for (cell, tet) in dataset.tets.iter().enumerate() {
-                for k in 0..4 {
-                    let other = cells_at[&face(tet, k)].iter().find(|&&other| other != cell);
-                    assert_eq!(adjacency[cell][k], other.map_or(NONE, |&other| other as u32));
-                    inner += usize::from(other.is_some());
-                }
-            }
-            assert!(inner > 3 * dataset.tets.len());
-            crate::io::container::check(&path, true).unwrap();
+    /// Writes the rows of `cells`, all of one kind.
+    fn write_rows<const N: usize>(&mut self, cells: Range<usize>, found: &mut Found, sink: &mut Sink) -> Result<Span> {
+        let mut column = sink.column(Some((cells.len() * size_of::<[u32; N]>()) as u64));
+        self.each(cells, |faces, first, rows: &mut [[u32; N]]| {
+            within_blocks(faces, first, rows).for_each(drop);
+            found.fill(first, rows)?;
+            sink.append(&mut column, bytemuck::cast_slice(rows.as_flattened()))
+        })?;
+        sink.finish(column)
+    }
+
+    /// Calls `work` with some blocks of `cells` at a time: their first cell, and rows without a neighbour.
+    fn each<const N: usize>(
+        &mut self,
+        cells: Range<usize>,
+        mut work: impl FnMut(&Faces, usize, &mut [[u32; N]]) -> Result<()>,
+    ) -> Result<()> {
+        for first in cells.clone().step_by(CELLS_AT_ONCE) {
+            let end = (first + CELLS_AT_ONCE).min(cells.end);
+            work(self.faces, first, &mut vec![[Neighbours::NONE; N]; end - first])?;
+            self.done += (end - first) as u64;
+            (self.tell)(Phase::Neighbours, self.done, self.cells_of_passes);
         }
+        Ok(())
     }
 }

@@ -139,7 +139,16 @@ impl Writer<'_, '_> {
             self.append_arrays(&file_cells.collect::<Vec<_>>())?;
         }
         let (corners, shapes) = (self.sink.finish(corners_column)?, self.sink.finish(shapes_column)?);
-        Ok(HexahedraEntry { cells, absent: 0, wedges, pyramids, corners: Some(corners), blocks: None, shapes })
+        Ok(HexahedraEntry {
+            cells,
+            absent: 0,
+            wedges,
+            pyramids,
+            corners: Some(corners),
+            blocks: None,
+            shapes,
+            adjacency: None,
+        })
     }
 
     /// Appends the values of the next cells to the arrays over cells.

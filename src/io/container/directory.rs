@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use twox_hash::XxHash3_64;
 
 use super::write::Written;
-use crate::columns::{ArrayHead, Association, CellCounts, Dataset, HexShape, StructuredBlock};
+use crate::columns::{ArrayHead, Association, CellCounts, Dataset, HEX_FACES, HexShape, StructuredBlock, TET_FACES};
 use crate::error::{Error, Result, presentable};
 
 /// How a container begins; what text-mode transfers change is in it.
@@ -108,6 +108,7 @@ pub(super) struct Directory {
     pub(super) hexahedra: Option<HexahedraEntry>,
     pub(super) block_ids: Span,
     pub(super) block_bounds: Span,
+    /// Which cells lie across the faces of tetrahedra.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) adjacency: Option<Span>,
     pub(super) arrays: Vec<ArrayEntry>,
@@ -130,6 +131,9 @@ pub(super) struct HexahedraEntry {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) blocks: Option<Span>,
     pub(super) shapes: Span,
+    /// Which cells lie across their faces, where they are listed and the file says it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) adjacency: Option<Span>,
 }
 
 /// A named array.
@@ -297,13 +301,21 @@ impl Directory {
                 (None, Some(blocks)) => spans.push(("structured blocks".to_owned(), blocks, None)),
                 _ => return wrong("either corners or blocks say where they are"),
             }
-        }
-        if let Some(adjacency) = self.adjacency {
-            if hexahedra > 0 {
-                return Err(("column adjacency".to_owned(), "it is for tetrahedra alone".to_owned()));
+            let adjacency = |problem: &str| Err(("column adjacency".to_owned(), problem.to_owned()));
+            match (self.adjacency, entry.adjacency, entry.blocks) {
+                (None, None, _) | (Some(_), Some(_), None) => {}
+                (.., Some(_)) => return adjacency("structured blocks imply it"),
+                _ => return adjacency("it is there for cells of one kind and not of the other"),
             }
-            spans.push(("adjacency".to_owned(), adjacency, Some(tets * 16)));
         }
+        let of_hexahedra = self.hexahedra.as_ref().and_then(|entry| entry.adjacency);
+        let neighbours = [
+            ("adjacency", self.adjacency, tets * size_of::<[u32; TET_FACES]>() as u64),
+            ("adjacency of hexahedra", of_hexahedra, hexahedra * size_of::<[u32; HEX_FACES]>() as u64),
+        ];
+        spans.extend(
+            neighbours.into_iter().filter_map(|(name, span, bytes)| Some((name.to_owned(), span?, Some(bytes)))),
+        );
         for array in &self.arrays {
             let wrong = |problem: &str| (format!("array {:?}", array.name), problem.to_owned());
             let size = size_of_number(&array.number_type).ok_or_else(|| wrong("numbers of an unknown type"))?;

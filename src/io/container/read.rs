@@ -11,8 +11,8 @@ use glam::{DVec3, Vec3};
 use super::directory::{Directory, MAGIC, Span};
 use crate::cells::{CellKind, HEXAHEDRON, PYRAMID, TETRAHEDRON, WEDGE};
 use crate::columns::{
-    Array, ArrayRanges, BitColumn, Block, Bounds, Column, Dataset, Hexahedra, NumericColumn, SharedBytes, Tets,
-    ValueRanges,
+    Array, ArrayRanges, BitColumn, Block, Bounds, Column, Dataset, Hexahedra, Neighbours, NumericColumn, SharedBytes,
+    Tets, ValueRanges,
 };
 use crate::error::{Error, Result, presentable, without_controls};
 use crate::io::mapping::bytes_of;
@@ -60,9 +60,17 @@ pub fn open(path: &Path, use_map: bool) -> Result<Dataset> {
         vertices,
     )
     .map_err(|error| columns.malformed("column tetrahedra", error.to_string()))?;
+    let of_listed = directory.hexahedra.as_ref().and_then(|entry| entry.adjacency);
     let hexahedra =
         directory.hexahedra.map_or_else(|| Ok(Hexahedra::none()), |entry| entry.column(&columns.bytes, vertices));
     let hexahedra = hexahedra.map_err(|error| columns.malformed("hexahedra", error.to_string()))?;
+
+    let neighbours = |from_tet: Span| {
+        let from_hexahedron = of_listed.map(|span| columns.of("adjacency of hexahedra", span)).transpose()?;
+        let from_hexahedron = from_hexahedron.unwrap_or_else(|| Vec::new().into());
+        Ok(Neighbours { from_tet: columns.of("adjacency", from_tet)?, from_hexahedron })
+    };
+    let adjacency = directory.adjacency.map(neighbours).transpose()?;
 
     let block_bounds: Column<[[f32; 3]; 2]> = columns.of("block_bounds", directory.block_bounds)?;
     let mut blocks = Vec::with_capacity(block_bounds.len());
@@ -118,7 +126,7 @@ pub fn open(path: &Path, use_map: bool) -> Result<Dataset> {
         file_from_cell: None,
         arrays,
         array_ranges,
-        adjacency: directory.adjacency.map(|span| columns.of("adjacency", span)).transpose()?,
+        adjacency,
         blocks,
         bounds,
         counts: directory.counts,

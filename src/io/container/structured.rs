@@ -9,7 +9,7 @@ use super::directory::{ArrayEntry, Directory, HexahedraEntry};
 use super::order::Tell;
 use super::ranges::{self, Cells};
 use super::sink::Sink;
-use super::write::{Phase, WriteOptions, Written, check_machine, finish};
+use super::write::{Phase, Written, check_machine, finish};
 use crate::atomic::AtomicFile;
 use crate::columns::{Array, ArrayHead, Dataset, HexShape, StructuredCells};
 use crate::error::Result;
@@ -20,7 +20,7 @@ const TUPLES_AT_ONCE: usize = 1 << 18;
 /// Writes structured blocks to the container `path`: what [`Dataset::from_structured`] makes of them, to the bit.
 ///
 /// There is nothing to sort: beside the source's points and arrays it takes 14 bytes a point, and 36 more while coincident points
-/// are found, whatever the options say.
+/// are found. Which cells share a face is not written: it follows from i, j and k.
 ///
 /// # Errors
 /// Those of [`Dataset::from_structured`] and [`write()`](super::write()).
@@ -33,14 +33,13 @@ const TUPLES_AT_ONCE: usize = 1 << 18;
 /// let WholeCells::Structured(cells) = mesh.into_whole_in(&io::Scratch::memory())? else { panic!("all have a volume") };
 /// let folder = tempfile::tempdir().unwrap();
 /// let path = folder.path().join("mesh.cells");
-/// io::container::write_structured(cells, &path, &Default::default(), &|_, _, _| {})?;
+/// io::container::write_structured(cells, &path, &|_, _, _| {})?;
 /// let dataset = io::container::open(&path, true)?;
 /// assert_eq!(dataset.hexahedra.view().get(1), [1, 2, 5, 4, 7, 8, 11, 10]);
 /// # Ok::<(), cellfan::Error>(())
 /// ```
-pub fn write_structured(cells: StructuredCells, path: &Path, options: &WriteOptions, tell: Tell) -> Result<Written> {
+pub fn write_structured(cells: StructuredCells, path: &Path, tell: Tell) -> Result<Written> {
     check_machine(path)?;
-    options.check_whole()?;
     let dataset = Dataset::from_structured(cells)?;
     let mut file = AtomicFile::create(path)?;
     let mut sink = Sink::new(&mut file.writer, path);
@@ -56,6 +55,7 @@ pub fn write_structured(cells: StructuredCells, path: &Path, options: &WriteOpti
         corners: None,
         blocks: Some(sink.whole(bytemuck::cast_slice(dataset.hexahedra.structured_blocks()))?),
         shapes: sink.whole(bytemuck::cast_slice(&shapes))?,
+        adjacency: None,
     };
     drop(shapes);
     tell(Phase::Cells, cells, cells);

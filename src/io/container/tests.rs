@@ -1,3 +1,4 @@
+mod adjacency;
 mod whole;
 
 use std::fs;
@@ -34,7 +35,7 @@ impl Folder {
     /// Writes structured blocks and opens them.
     fn structured(&self, cells: StructuredCells) -> Dataset {
         let path = self.path("mesh.cells");
-        write_structured(cells, &path, &WriteOptions::default(), &|_, _, _| {}).unwrap();
+        write_structured(cells, &path, &|_, _, _| {}).unwrap();
         open(&path, true).unwrap()
     }
 }

@@ -7,12 +7,14 @@ use twox_hash::XxHash3_64;
 
 use super::adjacency;
 use super::cells::{self, WrittenCells, append_values};
-use super::directory::{ArrayEntry, Directory, Header, Span};
+use super::directory::{ArrayEntry, Directory, Header, HexahedraEntry, Span};
 use super::order::{self, Tell};
 use super::ranges::{self, Cells};
 use super::sink::Sink;
 use crate::atomic::AtomicFile;
-use crate::columns::{Association, CellSource, Dataset, Hexahedra, NumericColumn, SharedBytes, Tets};
+use crate::columns::{
+    Association, BitColumn, CellColumns, CellSource, Column, Dataset, Hexahedra, NumericColumn, SharedBytes, Tets,
+};
 use crate::error::{Error, Result};
 use crate::io::mapping::bytes_of;
 
@@ -21,25 +23,13 @@ use crate::io::mapping::bytes_of;
 pub struct WriteOptions {
     /// Memory to keep to, beside the source's points; the sort gets at least 256 KiB.
     pub memory_bytes: u64,
-    /// Also write which cells share a face, 16 bytes a cell: where all are tetrahedra.
+    /// Also write which cells share a face: 16 bytes a tetrahedron, 24 a listed hexahedron.
     pub adjacency: bool,
 }
 
 impl Default for WriteOptions {
     fn default() -> Self {
         Self { memory_bytes: 1 << 30, adjacency: false }
-    }
-}
-
-impl WriteOptions {
-    /// Of cells that are not all tetrahedra.
-    pub(super) fn check_whole(self) -> Result<()> {
-        if !self.adjacency {
-            return Ok(());
-        }
-        let problem =
-            "neighbours are kept of tetrahedra alone; write these (--cells tetrahedra), or leave it out".to_owned();
-        Err(Error::Option { option: "--adjacency", problem })
     }
 }
 
@@ -82,8 +72,7 @@ const VERTICES_AT_ONCE: usize = 1 << 18;
 /// a hexahedron in a nameless file in the folder of `path`.
 ///
 /// # Errors
-/// Those of [`Dataset::from_cells`], [`Error::Io`], [`Error::Option`] where neighbours of other cells than tetrahedra are asked for,
-/// [`Error::Unsupported`] on a big-endian machine; what was at `path` is then as it was.
+/// Those of [`Dataset::from_cells`], [`Error::Io`], [`Error::Unsupported`] on a big-endian machine; what was at `path` is then as it was.
 ///
 /// ```
 /// use cellfan::{Dataset, generate, io};
@@ -99,9 +88,6 @@ const VERTICES_AT_ONCE: usize = 1 << 18;
 pub fn write(source: &dyn CellSource, path: &Path, options: &WriteOptions, tell: Tell) -> Result<Written> {
     check_machine(path)?;
     source.check()?;
-    if !source.hexahedra().is_empty() {
-        options.check_whole()?;
-    }
     let points = source.points();
     let fixed_bytes = points.len() as u64 * 12;
     let sort_bytes = options.memory_bytes.saturating_sub(fixed_bytes).max(1 << 18);
@@ -109,7 +95,7 @@ pub fn write(source: &dyn CellSource, path: &Path, options: &WriteOptions, tell:
     let mut ordered = order::order(source, path, sort_bytes, tell)?;
 
     let mut sink = Sink::new(&mut file.writer, path);
-    let cells = cells::write(source, &mut ordered, &mut sink, tell)?;
+    let mut cells = cells::write(source, &mut ordered, &mut sink, tell)?;
     let positions = write_positions(source, &ordered.placement, &cells.file_from_vertex, &mut sink)?;
     let heads = source.arrays();
     let count = heads.len() as u64;
@@ -125,9 +111,13 @@ pub fn write(source: &dyn CellSource, path: &Path, options: &WriteOptions, tell:
     }
     let block_ids = sink.whole(bytemuck::cast_slice(&cells.block_ids))?;
     let block_bounds = sink.whole(bytemuck::cast_slice(&cells.block_bounds))?;
-    let so_far = SoFar::new(&cells, ordered.tets.cells, path, &mut sink)?;
-    let adjacency =
-        options.adjacency.then(|| adjacency::write(&so_far.tets, path, sort_bytes, &mut sink, tell)).transpose()?;
+    let so_far = SoFar::new(&cells, positions, ordered.tets.cells, path, &mut sink)?;
+    let mut adjacency = None;
+    if options.adjacency {
+        let [of_tets, of_hexahedra] = adjacency::write(so_far.cells(), path, sort_bytes, &mut sink, tell)?;
+        adjacency = Some(of_tets);
+        cells.hexahedra = cells.hexahedra.map(|entry| HexahedraEntry { adjacency: Some(of_hexahedra), ..entry });
+    }
     so_far.write_ranges(&mut arrays, &mut sink, tell)?;
 
     let kind = if cells.hexahedra.is_some() { Directory::MIXED } else { Directory::TETRAHEDRON };
@@ -202,14 +192,21 @@ fn write_point_array(source: &dyn CellSource, array: usize, file_from_vertex: &[
 struct SoFar {
     bytes: SharedBytes,
     tets: Tets,
+    positive: BitColumn,
     hexahedra: Hexahedra,
-    vertices: usize,
+    positions: Column<[f32; 3]>,
 }
 
 impl SoFar {
-    fn new(written: &WrittenCells, tets: usize, path: &Path, sink: &mut Sink) -> Result<Self> {
+    fn new(written: &WrittenCells, positions: Span, tets: usize, path: &Path, sink: &mut Sink) -> Result<Self> {
         let (bytes, _) = bytes_of(path, sink.written()?, true)?;
         let vertices = written.file_from_vertex.len();
+        let words = written.orientation.column("orientation", &bytes)?;
+        let positive = BitColumn::from_words(words, tets).ok_or_else(|| Error::LengthMismatch {
+            column: "orientation".to_owned(),
+            len: written.orientation.bytes * 8,
+            expected: tets as u64,
+        })?;
         let (column, ids) = (written.tetrahedra, written.block_ids.clone().into());
         let wide = column.column("tetrahedra", &bytes)?;
         let tets = Tets::blocked(wide, column.column("tetrahedra", &bytes)?, ids, tets, vertices)?;
@@ -217,16 +214,22 @@ impl SoFar {
             Some(entry) => entry.column(&bytes, vertices)?,
             None => Hexahedra::none(),
         };
-        Ok(Self { bytes, tets, hexahedra, vertices })
+        let positions = positions.column("positions", &bytes)?;
+        Ok(Self { bytes, tets, positive, hexahedra, positions })
+    }
+
+    fn cells(&self) -> CellColumns<'_> {
+        let Self { tets, positive, hexahedra, positions, .. } = self;
+        CellColumns { tets, positive, hexahedra, positions }
     }
 
     /// Writes the ranges of the arrays' blocks.
     fn write_ranges(&self, arrays: &mut [ArrayEntry], sink: &mut Sink, tell: Tell) -> Result<()> {
         let count = arrays.len() as u64;
-        let Self { tets, hexahedra, .. } = self;
+        let Self { tets, hexahedra, positions, .. } = self;
         for (i, array) in arrays.iter_mut().enumerate() {
             let cells = tets.len() + hexahedra.len();
-            let tuples = if array.association == Association::Point { self.vertices } else { cells };
+            let tuples = if array.association == Association::Point { positions.len() } else { cells };
             let (components, offset) = (array.components as usize, array.values.offset as usize);
             let bytes = Arc::clone(&self.bytes);
             let values = NumericColumn::shared(&array.number_type, &array.name, bytes, offset, tuples * components)?;

@@ -3,8 +3,8 @@
 use arrayvec::ArrayVec;
 use rayon::prelude::*;
 
-use super::faces::{FaceName, Faces, HEX_FACES, triangles};
-use crate::columns::Dataset;
+use super::faces::triangles;
+use crate::columns::{Dataset, FaceName, Faces, HEX_FACES};
 
 /// Two cells and the face they share.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -19,11 +19,11 @@ pub(super) struct Neighbours {
 
 /// All pairs among `cells` that share a face.
 pub(super) fn neighbours(dataset: &Dataset, cells: impl ParallelIterator<Item = u32>) -> Vec<Neighbours> {
-    let faces = Faces::new(dataset);
+    let faces = Faces::new(dataset.into());
     let mut sides: Vec<(FaceName, u32, bool, u8)> = cells
         .flat_map_iter(|cell| {
             let mut sides = ArrayVec::<_, HEX_FACES>::new();
-            faces.for_each(cell as usize, |k, name, ascends| sides.push((name, cell, ascends, k as u8)));
+            faces.for_each(cell as usize, |k, face| sides.push((face.name, cell, face.ascends, k as u8)));
             sides
         })
         .collect();

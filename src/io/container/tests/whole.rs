@@ -35,7 +35,7 @@ fn arrays(points: usize, cells: usize) -> Vec<Array> {
 }
 
 /// Hexahedra of a bent box, every third one cut into pyramids, every fifth into wedges, with tetrahedra in between.
-fn mixed(n: usize) -> CellMesh {
+pub(super) fn mixed(n: usize) -> CellMesh {
     let mut points = bent([n; 3]);
     let of = |block: &StructuredBlock| (0..block.cells()).map(|cell| block.corners(cell as u32)).collect();
     let hexahedra: Vec<[u32; 8]> = of(&StructuredBlock { dims: [n as u32 + 1; 3], first_vertex: 0, first_cell: 0 });
@@ -73,7 +73,7 @@ fn mixed(n: usize) -> CellMesh {
 }
 
 /// Two bent blocks side by side; `hide` hides cells.
-fn blocks(hide: impl Fn(usize) -> bool) -> StructuredCells {
+pub(super) fn blocks(hide: impl Fn(usize) -> bool) -> StructuredCells {
     let sizes = [[20, 17, 19], [5, 17, 19]];
     let mut points = bent(sizes[0]);
     points.extend(bent(sizes[1]).into_iter().map(|[x, y, z]| [x + 20.0, y, z]));
@@ -146,9 +146,6 @@ fn cells_without_volume_are_left_out_and_double_points_are_recentred() {
     assert!(matches!(refused(&mesh), Err(Error::IndexOutOfRange { index: 1_048_576, .. })));
     mesh.file_from_hexahedron.to_mut().pop();
     assert!(matches!(refused(&mesh), Err(Error::LengthMismatch { .. })));
-    let with_adjacency = WriteOptions { adjacency: true, ..WriteOptions::default() };
-    let error = write(&mixed(2), &folder.path("a.cells"), &with_adjacency, &|_, _, _| {}).unwrap_err();
-    assert!(error.to_string().contains("--adjacency"), "{error}");
     assert!(!folder.path("a.cells").exists());
 }
 
@@ -172,7 +169,7 @@ fn structured_blocks_keep_their_order_and_take_two_bytes_a_cell() {
         let bytes = fs::metadata(&path).unwrap().len();
         assert!(bytes < 2 * cells + 12 * points + arrays + 8192, "{bytes} bytes for {cells} cells, {points} points");
     }
-    let all_hidden = write_structured(blocks(|_| true), &path, &WriteOptions::default(), &|_, _, _| {});
+    let all_hidden = write_structured(blocks(|_| true), &path, &|_, _, _| {});
     assert!(matches!(all_hidden, Err(Error::NoCells { .. })));
 }
 

@@ -2,9 +2,8 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use super::build::build;
 use super::*;
-use crate::cells::HEXAHEDRON;
+use crate::cells::{HEXAHEDRON, OPPOSITE_FACES};
 use crate::columns::HexShape;
 use crate::generate::{Settings, delaunay, tets};
 use crate::stages::project::scene_vertices;
@@ -44,40 +43,86 @@ fn meshes() -> Vec<Dataset> {
 }
 
 #[test]
-fn neighbours_are_those_of_a_sort_of_all_faces_in_any_scratch_and_on_any_threads() {
+fn neighbours_are_those_of_a_sort_of_all_faces_on_any_threads() {
     for (i, mesh) in meshes().iter().enumerate() {
-        let expected = build(mesh, usize::MAX);
-        assert!(is_of(&expected.0, mesh) && expected.1.is_empty(), "mesh {i}");
+        let expected = Neighbours::new(mesh);
+        assert_eq!((expected.first_wrong(mesh), expected.from_hexahedron.len()), (None, 0), "mesh {i}");
         if i < 3 {
-            assert!(expected.0 == twin(mesh), "mesh {i}");
+            assert!(expected.from_tet[..] == twin(mesh), "mesh {i}");
         }
         for threads in [1, 2, 5] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            for scratch in [0, 1000, 30_000] {
-                assert!(pool.install(|| build(mesh, scratch)) == expected, "mesh {i}, scratch {scratch}");
-            }
+            assert!(pool.install(|| Neighbours::new(mesh)) == expected, "mesh {i}, {threads} threads");
         }
     }
 }
 
 #[test]
-fn a_column_is_used_where_it_is_right_and_made_anew_where_it_is_not() {
+fn cells_that_are_there_twice_have_neighbours_each() {
+    let settings = Settings { cells: 20_000, ..Settings::default() };
+    let sides = |copies: usize| {
+        let mut mesh = delaunay(&settings).unwrap();
+        mesh.tets = mesh.tets.iter().flat_map(|&tet| std::iter::repeat_n(tet, copies)).collect();
+        mesh.file_from_tet = (0..mesh.tets.len()).map(|_| 0).collect();
+        let mesh = Dataset::from_tets(mesh).unwrap();
+        let neighbours = Neighbours::new(&mesh);
+        assert_eq!(neighbours.first_wrong(&mesh), None);
+        neighbours.from_tet.iter().flatten().filter(|&&other| other != Adjacency::NONE).count()
+    };
+    let once = sides(1);
+    assert!(once > 70_000);
+    assert_eq!((sides(2), sides(3)), (2 * once, 3 * once));
+}
+
+#[test]
+fn neighbours_are_used_where_they_are_right_and_made_anew_where_they_are_not() {
     let mut mesh = meshes().swap_remove(0);
-    let (right, _) = build(&mesh, usize::MAX);
-    mesh.adjacency = Some(right.clone().into());
+    let right = Neighbours::new(&mesh);
+    mesh.adjacency = Some(right.clone());
     let used = Adjacency::new(&mesh);
-    assert!(used.neighbours_from_tet() == right);
-    let holes = right.iter().flatten().filter(|&&other| other == Adjacency::NONE).count();
+    assert!(used.neighbours_from_tet() == &right.from_tet[..] && used.is_stored());
+    let holes = right.from_tet.iter().flatten().filter(|&&other| other == Adjacency::NONE).count();
     assert!(holes > 100 && used.exterior().len() == holes);
-    for wrong in [0, 7, right.len() as u32, u32::MAX - 1] {
+    let is_made_anew = |mesh: &Dataset| {
+        let made = Adjacency::new(mesh);
+        assert!(made.neighbours_from_tet() == &right.from_tet[..]);
+        !made.is_stored()
+    };
+    assert!(!is_made_anew(&mesh));
+    for wrong in [0, 7, mesh.cells() as u32, u32::MAX - 1] {
         let mut damaged = right.clone();
-        damaged[100][2] = wrong;
-        assert!(right[100][2] != wrong && !is_of(&damaged, &mesh), "{wrong}");
-        mesh.adjacency = Some(damaged.into());
-        assert!(Adjacency::new(&mesh).neighbours_from_tet() == right);
+        damaged.from_tet.to_mut()[100][2] = wrong;
+        assert!(right.from_tet[100][2] != wrong && damaged.first_wrong(&mesh) == Some(100), "{wrong}");
+        mesh.adjacency = Some(damaged);
+        assert!(is_made_anew(&mesh));
     }
-    mesh.adjacency = Some(right[1..].to_vec().into());
-    assert!(Adjacency::new(&mesh).neighbours_from_tet() == right);
+    let mut short = right.clone();
+    short.from_tet.to_mut().pop();
+    mesh.adjacency = Some(short);
+    assert!(is_made_anew(&mesh));
+    let mut long = right.clone();
+    long.from_hexahedron.to_mut().push([Adjacency::NONE; HEX_FACES]);
+    mesh.adjacency = Some(long);
+    assert!(is_made_anew(&mesh));
+}
+
+#[test]
+fn a_row_of_any_cell_that_is_not_its_own_is_found() {
+    for (name, mut mesh) in whole_meshes() {
+        let right = Neighbours::new(&mesh);
+        assert_eq!(right.first_wrong(&mesh), None, "{name}");
+        mesh.adjacency = Some(right.clone());
+        assert!(Adjacency::new(&mesh).is_stored(), "{name}");
+        for hexahedron in (0..right.from_hexahedron.len()).step_by(7) {
+            // Faces 2 and 3 exchanged: their neighbours still name the cell.
+            let mut damaged = right.clone();
+            let row = &mut damaged.from_hexahedron.to_mut()[hexahedron];
+            row.swap(2, 3);
+            let cell = mesh.tets.len() + hexahedron;
+            let has_changed = row[2] != row[3];
+            assert_eq!(damaged.first_wrong(&mesh).is_some(), has_changed, "{name}, cell {cell}");
+        }
+    }
 }
 
 /// Faces of four corners, of wedges and pyramids, and of tetrahedra beside them; collapsed, turned round, in points of their own.
@@ -105,6 +150,7 @@ fn whole_meshes() -> Vec<(&'static str, Dataset)> {
         ("pole", pole.dataset()),
         ("turned", turned.dataset()),
         ("apart", apart.dataset()),
+        ("several blocks of cells", Cells::jittered(18, 0.2, &mut random).mixed(&mut random).dataset()),
         ("blocks", blocks(&[[4, 6, 5], [4, 6, 5]], |block, p| p + DVec3::X * (2 * block) as f64, |cell| cell % 7 == 2)),
         ("mirrored block", blocks(&[[5, 4, 6]], |_, p| DVec3::new(-p.x, p.y, p.z), |_| false)),
         // Cells of the middle have no volume.
@@ -120,7 +166,7 @@ fn places_twin(dataset: &Dataset) -> Vec<[u32; HEX_FACES]> {
     for cell in 0..dataset.cells() {
         let vertex = dataset.corners(cell);
         let faces: Vec<Vec<usize>> = match cell.checked_sub(dataset.tets.len()) {
-            None => FACES.map(|face| face.to_vec()).to_vec(),
+            None => OPPOSITE_FACES.map(|face| face.to_vec()).to_vec(),
             Some(hexahedron) if dataset.hexahedra.view().shape(hexahedron).is_absent() => continue,
             Some(_) => HEXAHEDRON.faces.iter().map(|face| face.iter().map(|&i| usize::from(i)).collect()).collect(),
         };
@@ -170,10 +216,7 @@ fn whole_cells_adjoin_where_their_faces_have_the_same_corners() {
         assert_eq!(stored, expected as u64, "{name}");
         for threads in [1, 2, 5] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let expected = build(&mesh, usize::MAX);
-            for scratch in [0, 100] {
-                assert!(pool.install(|| build(&mesh, scratch)) == expected, "{name}, scratch {scratch}");
-            }
+            assert!(pool.install(|| Neighbours::new(&mesh)) == Neighbours::new(&mesh), "{name}, {threads} threads");
         }
     }
 }

@@ -7,11 +7,10 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::graph::Sides;
-use crate::columns::{BlockCells, BlockTets, Dataset, HexShape, HexahedraView};
+use crate::columns::{BlockCells, BlockTets, Dataset, HEX_FACES, HexShape, HexahedraView};
 use crate::stages::SceneVertex;
 use crate::stages::classify::OUTWARD_IF_POSITIVE;
 use crate::stages::sort::Toward;
-use crate::stages::sort::faces::HEX_FACES;
 use crate::stages::sort::side::{sides_of_eye, sides_of_fold};
 
 /// A bit for each face of a positive cell whose canonical normal points outwards.

@@ -1,19 +1,14 @@
 //! `adjacency`: which cell lies across each face, and which faces have none: the exterior ones. Once a mesh.
 //!
-//! In: the cells, and what a container says of them. Out: [`Adjacency`]: a row of four for each tetrahedron, of six for each listed
-//! hexahedron (`build`, in parallel); nothing for structured blocks, where it follows from i, j and k. Cells meet where they share
-//! vertices, listed hexahedra and what adjoins them where their vertices stand in one place.
+//! In: the cells, and what a container says of them. Out: [`Adjacency`]: the [`Neighbours`] of tetrahedra and of listed hexahedra, from
+//! the container or made in parallel; nothing for structured blocks, where they follow from i, j and k; and the exterior faces.
 
-mod build;
 #[cfg(test)]
 mod tests;
 
 use rayon::prelude::*;
 
-use self::build::build;
-use super::faces::{HEX_FACES, TET_FACES, is_outward};
-use crate::columns::{Column, Dataset, HexahedraView, StructuredBlock};
-use crate::stages::classify::FACES;
+use crate::columns::{Dataset, HEX_FACES, HexahedraView, Neighbours, StructuredBlock, TET_FACES};
 
 /// A face of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,26 +22,20 @@ pub struct Face {
 /// The cells across all faces of a mesh.
 #[derive(Clone, Debug)]
 pub struct Adjacency {
-    neighbours_from_tet: Column<[u32; TET_FACES]>,
-    /// Of listed hexahedra.
-    neighbours_from_hexahedron: Vec<[u32; HEX_FACES]>,
+    neighbours: Neighbours,
+    is_stored: bool,
     exterior: Vec<Face>,
 }
 
 impl Adjacency {
     /// No cell lies across the face.
-    pub const NONE: u32 = u32::MAX;
+    pub const NONE: u32 = Neighbours::NONE;
 
-    /// That of `dataset`: its own column where it is right, which is looked at face by face, and otherwise made from the cells.
+    /// That of `dataset`: its own where it is right, which is looked at face by face, and otherwise made from the cells.
     pub fn new(dataset: &Dataset) -> Self {
-        let (neighbours_from_tet, neighbours_from_hexahedron) = match &dataset.adjacency {
-            Some(column) if is_of(column, dataset) => (column.clone(), Vec::new()),
-            _ => {
-                let (of_tets, of_hexahedra) = build(dataset, build::SCRATCH_FACES);
-                (of_tets.into(), of_hexahedra)
-            }
-        };
-        let mut adjacency = Self { neighbours_from_tet, neighbours_from_hexahedron, exterior: Vec::new() };
+        let stored = dataset.adjacency.as_ref().filter(|stored| stored.first_wrong(dataset).is_none());
+        let neighbours = stored.cloned().unwrap_or_else(|| Neighbours::new(dataset));
+        let mut adjacency = Self { neighbours, is_stored: stored.is_some(), exterior: Vec::new() };
         let rows = adjacency.rows(dataset);
         let is_absent = |cell: usize| {
             cell.checked_sub(dataset.tets.len()).is_some_and(|cell| dataset.hexahedra.view().shape(cell).is_absent())
@@ -62,7 +51,12 @@ impl Adjacency {
 
     /// The cell across the face opposite to each vertex of each tetrahedron; [`Adjacency::NONE`] where there is none.
     pub fn neighbours_from_tet(&self) -> &[[u32; 4]] {
-        &self.neighbours_from_tet
+        &self.neighbours.from_tet
+    }
+
+    /// Whether it is the dataset's own, from a container, and was not made.
+    pub fn is_stored(&self) -> bool {
+        self.is_stored
     }
 
     /// The cells across the faces of `cell`, a cell of the `dataset` that this is of: four of a tetrahedron, six of a hexahedron;
@@ -81,20 +75,19 @@ impl Adjacency {
 
     /// Bytes of memory that it takes; a column that is used in place counts nothing.
     pub fn owned_bytes(&self) -> u64 {
-        let of_hexahedra = size_of_val(&self.neighbours_from_hexahedron[..]) + size_of_val(&self.exterior[..]);
-        self.neighbours_from_tet.owned_bytes() + of_hexahedra as u64
+        self.neighbours.owned_bytes() + size_of_val(&self.exterior[..]) as u64
     }
 
     /// All cells of a mesh of tetrahedra.
     pub(super) fn tet_rows(&self) -> TetRows<'_> {
-        TetRows(&self.neighbours_from_tet)
+        TetRows(&self.neighbours.from_tet)
     }
 
     /// All cells of any mesh.
     pub(super) fn rows<'a>(&'a self, dataset: &'a Dataset) -> CellRows<'a> {
         CellRows {
-            tets: &self.neighbours_from_tet,
-            listed: &self.neighbours_from_hexahedron,
+            tets: &self.neighbours.from_tet,
+            listed: &self.neighbours.from_hexahedron,
             hexahedra: dataset.hexahedra.view(),
             blocks: dataset.hexahedra.structured_blocks(),
         }
@@ -194,22 +187,4 @@ impl Across for CellRows<'_> {
         let row = if faces == 0 { [Adjacency::NONE; HEX_FACES] } else { self.row(cell) };
         set_bits(faces).map(move |k| (k, row[k]))
     }
-}
-
-/// Whether `column` names, across each face, a cell that has this face, lies on its other side and names the first.
-fn is_of(column: &[[u32; 4]], dataset: &Dataset) -> bool {
-    let tets = dataset.tets.view();
-    let is_right = |cell: usize, k: usize, other: u32| {
-        let Some(row) = column.get(other as usize) else { return other == Adjacency::NONE };
-        let face = |cell: usize, k: usize| FACES[k].map(|i| tets.get(cell)[i]);
-        let sides = (cell, other as usize);
-        (0..4).any(|j| {
-            row[j] as usize == cell
-                && face(sides.0, k) == face(sides.1, j)
-                && is_outward(dataset, sides.0, k) != is_outward(dataset, sides.1, j)
-        })
-    };
-    let row_is_right = |(cell, row): (usize, &[u32; 4])| (0..4).all(|k| is_right(cell, k, row[k]));
-    // A column says nothing of hexahedra, which may adjoin the tetrahedra.
-    column.len() == dataset.cells() && column.par_iter().enumerate().all(row_is_right)
 }
