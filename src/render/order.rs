@@ -20,14 +20,16 @@ pub(super) struct FrameOrder {
     pub(super) is_exact: bool,
     /// What the topological order came to, where that is the key.
     layers: Option<Layers>,
+    /// Faces at which cells were found to overlap.
+    overlapping_faces: u64,
 }
 
 impl Renderer {
     /// Chooses the order of a frame and makes what its keys are read from.
     ///
     /// `auto` takes what is exact: on the processor fragments are checked and put right, which costs less than a graph of the mesh
-    /// and needs no conditions. Fans take the topological order; where that has to break cycles, a GPU checks the order and the
-    /// processor draws the tiles again in which it was wrong.
+    /// and needs no conditions. Fans take the topological order; where that has to break cycles, or cells overlap, a GPU checks the
+    /// order and the processor draws the tiles again in which it was wrong.
     pub(super) fn order_frame(
         &self,
         scene: &Scene,
@@ -35,7 +37,7 @@ impl Renderer {
         topological: &mut Topological,
         profile: &mut Profile,
     ) -> FrameOrder {
-        let by = |key| FrameOrder { key, is_exact: false, layers: None };
+        let by = |key| FrameOrder { key, is_exact: false, layers: None, overlapping_faces: 0 };
         match self.options.sort {
             _ if self.options.model.is_order_free() => by(SortKey::None),
             SortMethod::None => by(SortKey::None),
@@ -49,13 +51,14 @@ impl Renderer {
                 let start = Instant::now();
                 let layers = topological.order(&scene.dataset, adjacency, &scene.vertices, view);
                 profile.add("topological", start.elapsed(), scene.dataset.cells() as u64 * 64);
+                let overlapping_faces = scene.overlapping_faces(profile);
                 let is_exact = self.checks_order()
                     && match self.options.sort {
                         SortMethod::Exact => true,
-                        SortMethod::Auto => layers.cycles > 0,
+                        SortMethod::Auto => layers.cycles > 0 || overlapping_faces > 0,
                         _ => false,
                     };
-                FrameOrder { layers: Some(layers), is_exact, ..by(SortKey::Topological) }
+                FrameOrder { layers: Some(layers), overlapping_faces, is_exact, ..by(SortKey::Topological) }
             }
         }
     }
@@ -66,6 +69,9 @@ impl Renderer {
         let is_counted = is_ordered && (!self.draws_fans() || order.is_exact);
         let violations = is_counted.then_some(counts.violations);
         let exactness = match order.layers {
+            Some(_) if order.overlapping_faces > 0 && !order.is_exact => {
+                Exactness::CellsOverlap(order.overlapping_faces)
+            }
             Some(Layers { cycles, .. }) if cycles > 0 && !order.is_exact => Exactness::CyclesBroken(cycles),
             // Built from the graph of what lies before what.
             Some(_) => Exactness::Exact,

@@ -13,6 +13,7 @@ use crate::stages::project::scene_vertices;
 use crate::stages::sort::SortKey;
 use crate::stages::sort::adjacency::Adjacency;
 use crate::stages::sort::delaunay::best_key;
+use crate::stages::sort::overlaps::overlapping_faces;
 
 /// A mesh, the scalar drawn on it, and what the scalar looks like.
 #[derive(Clone, Debug)]
@@ -27,6 +28,8 @@ pub struct Scene {
     pub(super) bands: Option<SceneBands>,
     /// Made when an order first asks for it.
     adjacency: OnceLock<Adjacency>,
+    /// Counted when an order first asks for it.
+    overlapping_faces: OnceLock<u64>,
 }
 
 /// Where the extinctions of bands come from.
@@ -63,6 +66,7 @@ impl Scene {
             best_key,
             bands: None,
             adjacency: OnceLock::new(),
+            overlapping_faces: OnceLock::new(),
         }
     }
 
@@ -134,6 +138,14 @@ impl Scene {
     /// Which cells share a face; made at the first call.
     pub(super) fn adjacency(&self, profile: &mut Profile) -> &Adjacency {
         self.adjacency.get_or_init(|| profile.time("adjacency", || Adjacency::new(&self.dataset)))
+    }
+
+    /// Faces at which cells overlap; counted at the first call.
+    pub(super) fn overlapping_faces(&self, profile: &mut Profile) -> u64 {
+        *self.overlapping_faces.get_or_init(|| {
+            let adjacency = self.adjacency(profile);
+            profile.time("adjacency", || overlapping_faces(&self.dataset, adjacency))
+        })
     }
 
     /// What the arrays of bands take of that.
