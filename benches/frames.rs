@@ -1,16 +1,21 @@
 //! Whole frames: `frame/<mesh>/<model>`, from a camera to the finished picture in memory, a new view each time.
 //!
 //! `frame/hexahedra`: curvilinear hexahedra whole and split into tetrahedra, 5 to 10 pixels a cell, on the processor and on
-//! whatever GPU there is.
+//! whatever GPU there is. `frame/bands`: four arrays of extinctions in one pass, and in a pass each.
 //!
 //! Left out: reading and generating meshes, and encoding pictures. With `CELLFAN_BENCH_LARGE` set, also meshes of
 //! 1.3 million cells at 1024×1024.
 
 mod support;
 
+use cellfan::columns::{Array, Association};
 use cellfan::generate::Kind;
 use cellfan::io::StructuredMesh;
-use cellfan::{Dataset, Model, Points, RenderOptions, Rendered, Renderer, Scene, SortMethod, TransferFunction};
+use cellfan::optics::Output;
+use cellfan::{
+    Dataset, Field, FieldSelection, Model, Points, RenderOptions, Rendered, Renderer, Scene, SortMethod,
+    TransferFunction,
+};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
 use support::{Mesh, framing, transfer};
@@ -69,8 +74,8 @@ fn frames(criterion: &mut Criterion) {
     }
 }
 
-/// A quarter of a shell of n³ cells, twisted about its axis.
-fn curvilinear(n: u32) -> StructuredMesh {
+/// A quarter of a shell of n³ cells, twisted about its axis, with so many arrays of extinctions in cells.
+fn curvilinear(n: u32, arrays: u32) -> StructuredMesh {
     let side = n as usize + 1;
     let share = |i: usize| i as f64 / f64::from(n);
     let point = |i: usize| {
@@ -79,7 +84,14 @@ fn curvilinear(n: u32) -> StructuredMesh {
         [radius * angle.cos(), radius * angle.sin(), z]
     };
     let points = Points::F64((0..side.pow(3)).map(point).collect());
-    StructuredMesh::new(&[[side; 3]], points, Vec::new()).expect("the points are as many as the dimensions say")
+    let array = |k: u32| Array {
+        name: format!("band{k}"),
+        association: Association::Cell,
+        components: 1,
+        values: (0..n.pow(3)).map(|cell| f64::from(cell * (2 * k + 3) % 101 + 1) / 100.0).collect::<Vec<_>>().into(),
+    };
+    StructuredMesh::new(&[[side; 3]], points, (0..arrays).map(array).collect())
+        .expect("the points are as many as the dimensions say")
 }
 
 /// Curvilinear hexahedra as they are and split, on each backend; the same order, and the same picture but for the field
@@ -90,10 +102,10 @@ fn hexahedra(criterion: &mut Criterion) {
         let field = dataset.homogeneous_field();
         Scene::new(dataset, field, &TransferFunction::constant([0.9, 0.7, 0.5], 1.5).expect("it is valid"))
     };
-    let whole = curvilinear(n).into_whole_dataset().expect("it is valid");
+    let whole = curvilinear(n, 0).into_whole_dataset().expect("it is valid");
     let cells = whole.cells() as u64;
     let views: Vec<_> = (0..32).map(|i| framing(&whole, f64::from(i) * 360.0 / 32.0, side_px)).collect();
-    let scenes = [("whole", scene(whole)), ("split", scene(curvilinear(n).into_dataset().expect("it is valid")))];
+    let scenes = [("whole", scene(whole)), ("split", scene(curvilinear(n, 0).into_dataset().expect("it is valid")))];
     let options = RenderOptions { sort: SortMethod::Centroid, ..RenderOptions::default() };
     let mut group = criterion.benchmark_group("frame/hexahedra");
     group.sample_size(10);
@@ -117,6 +129,53 @@ fn hexahedra(criterion: &mut Criterion) {
         // A rasteriser may give a tetrahedron's outline to the next pixel.
         let is_one = if backend == "gpu" { difference.mean < 1e-4 } else { difference.max < 1e-4 };
         assert!(is_one, "{backend}: {difference:?}");
+    }
+    group.finish();
+}
+
+/// Four arrays of extinctions in cells: one pass draws all, as they come from [`Scene::with_band_arrays`], or one each.
+fn bands(criterion: &mut Criterion) {
+    let (n, side_px) = if std::env::var_os("CELLFAN_BENCH_LARGE").is_some() { (100, 1024) } else { (32, 256) };
+    let mut group = criterion.benchmark_group("frame/bands");
+    group.sample_size(10);
+    group.throughput(Throughput::Elements(u64::from(n).pow(3)));
+    let split = curvilinear(n, 4).into_dataset().expect("it is valid");
+    let whole = curvilinear(n, 4).into_whole_dataset().expect("it is valid");
+    for (cells, dataset) in [("whole", whole), ("split", split)] {
+        let views: Vec<_> = (0..32).map(|i| framing(&dataset, f64::from(i) * 360.0 / 32.0, side_px)).collect();
+        let field = |k: u32| dataset.field(&FieldSelection::parse(&format!("band{k}"), &dataset.arrays));
+        let fields: Vec<Field> = (0..4).map(|k| field(k).expect("it is there")).collect();
+        let scene = |fields: &[Field]| {
+            let dark = TransferFunction::constant([0.0; 3], 0.0).expect("it is valid");
+            let scene = Scene::new(dataset.clone(), fields[0].clone(), &dark);
+            scene.with_band_arrays(fields.to_vec()).expect("they are extinctions")
+        };
+        let options = RenderOptions { model: Model::Absorption, output: Output::Depth, ..RenderOptions::default() };
+        let ways = [("one pass", vec![scene(&fields)]), ("a pass each", fields.chunks(1).map(scene).collect())];
+        let [together, each] = ways.map(|(way, scenes)| {
+            let mut renderer = Renderer::new(options);
+            let mut draw = |view: usize| -> Vec<Rendered> {
+                let draw = |scene| renderer.render(scene, &views[view]).expect("the camera is valid");
+                scenes.iter().map(draw).collect()
+            };
+            let first = draw(0);
+            let mut frame = 0;
+            group.bench_function(format!("{cells}/{way}"), |bencher| {
+                bencher.iter(|| {
+                    frame += 1;
+                    draw(frame % views.len())
+                });
+            });
+            first
+        });
+        assert!(together[0].image.covered([0.0; 4]) > u64::from(side_px).pow(2) / 10, "{cells}: nothing shows");
+        for (k, alone) in each.iter().enumerate() {
+            let mut pairs = together[0].image.pixels.iter().zip(&alone.image.pixels);
+            assert!(
+                pairs.all(|(together, alone)| together[k].to_bits() == alone[0].to_bits()),
+                "{cells}: band {k} differs"
+            );
+        }
     }
     group.finish();
 }
@@ -147,5 +206,5 @@ fn gpu() -> Option<Make> {
     None
 }
 
-criterion_group!(benches, frames, hexahedra);
+criterion_group!(benches, frames, hexahedra, bands);
 criterion_main!(benches);

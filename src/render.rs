@@ -2,6 +2,7 @@
 //!
 //! In: a [`Scene`] (mesh, field, transfer function, bands) and a [`Camera`]. Out: a [`Rendered`] picture with its figures.
 
+mod band_arrays;
 mod bands;
 #[cfg(feature = "gpu")]
 mod gpu;

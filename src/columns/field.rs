@@ -136,6 +136,18 @@ impl Dataset {
         self.finish_field("homogeneous".to_owned(), Association::Cell, 0.0, values.into(), (0.0, 0.0))
     }
 
+    /// The largest value in each cell of several fields of cell data, those of them that are numbers.
+    pub(crate) fn largest_of_cells(&self, name: String, fields: &[&Field]) -> Field {
+        let of_cell = |cell: usize| {
+            let values = fields.iter().map(|field| (field.offset + f64::from(field.values[cell])) as f32);
+            values.fold(f32::NAN, f32::max)
+        };
+        let values: Vec<f32> = (0..self.cells()).into_par_iter().map(of_cell).collect();
+        let ends = fields.iter().map(|field| field.range);
+        let range = ends.reduce(|(low, high), (a, b)| (low.min(a), high.max(b))).unwrap_or((0.0, 0.0));
+        self.finish_field(name, Association::Cell, 0.0, values.into(), range)
+    }
+
     fn finish_field(
         &self,
         name: String,

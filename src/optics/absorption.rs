@@ -1,5 +1,5 @@
 //! Absorption: what is left of light that shines through, in four bands: `e^(−∫κ_k dt)`, `κ_k = κ·(r, g, b, 1)_k`. Bands with
-//! functions of their own: [`BandDepths`](super::BandDepths).
+//! functions of their own: [`BandDepths`](super::BandDepths); with columns of their own: [`BandCells`](super::BandCells).
 //!
 //! Contribution: the optical depth of each band, summed in any order and exponentiated last.
 

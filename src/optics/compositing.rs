@@ -38,15 +38,24 @@ pub struct CellSpan {
     pub first: usize,
     /// Piece of the largest value.
     pub last: usize,
+    /// Which cell of the dataset it is, where the compositor keeps that: tiles do, fans do not.
+    pub cell: Option<usize>,
     s_min: f32,
     s_max: f32,
 }
 
 impl CellSpan {
-    /// For values from `s_min` to `s_max`.
+    /// For values from `s_min` to `s_max`, of whatever cell.
     #[inline]
     pub fn new(intervals: &Intervals, s_min: f32, s_max: f32) -> Self {
-        Self { first: intervals.piece_of(s_min), last: intervals.piece_of(s_max), s_min, s_max }
+        Self { first: intervals.piece_of(s_min), last: intervals.piece_of(s_max), cell: None, s_min, s_max }
+    }
+
+    /// The same of a cell of the dataset.
+    #[inline]
+    #[must_use]
+    pub fn of_cell(self, cell: usize) -> Self {
+        Self { cell: Some(cell), ..self }
     }
 }
 

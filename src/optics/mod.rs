@@ -19,6 +19,7 @@
 mod absorption;
 pub mod attenuation;
 mod averaged;
+mod band_cells;
 mod band_depths;
 mod band_light;
 pub mod band_pieces;
@@ -48,6 +49,7 @@ pub(crate) mod wgsl;
 
 pub use absorption::Absorption;
 pub use averaged::{Averaged, Textured};
+pub use band_cells::{BandCells, BandColumn};
 pub use band_depths::BandDepths;
 pub use band_light::BandLight;
 pub use band_pieces::{BandPasses, BandPiece};

@@ -41,7 +41,7 @@ impl CellStats {
 
 /// How far an order of the cells can be trusted.
 ///
-/// In JSON `"exact"`, `"unverified"` or `{"cycles_broken": n}`.
+/// In JSON `"exact"`, `"unverified"`, `{"cycles_broken": n}` or `{"cells_overlap": n}`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Exactness {
@@ -52,6 +52,8 @@ pub enum Exactness {
     Unverified,
     /// Built from the visibility graph, with this many cycles cut.
     CyclesBroken(u64),
+    /// Built from the visibility graph of cells that overlap at this many faces; cycles are not told apart.
+    CellsOverlap(u64),
 }
 
 /// The order in which cells were composited; a figure that nobody asked for is null.
@@ -251,6 +253,7 @@ mod tests {
         assert_eq!(json(Exactness::Exact), r#""exact""#);
         assert_eq!(json(Exactness::Unverified), r#""unverified""#);
         assert_eq!(json(Exactness::CyclesBroken(3)), r#"{"cycles_broken":3}"#);
+        assert_eq!(json(Exactness::CellsOverlap(3)), r#"{"cells_overlap":3}"#);
     }
 
     #[test]

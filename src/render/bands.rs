@@ -1,15 +1,16 @@
 //! Bands with extinctions of their own: passes of one view, gathered into one picture.
 //!
 //! In: a frame without bands, the scene's bands. Out: four optical depths (or intensities) a pass, or two bands of light, in a
-//! [`BandImage`]; the light of the first three as red, green and blue of an [`Image`].
+//! [`BandImage`]; the light of the first three as red, green and blue of an [`Image`]. Arrays of point data take a pass each.
 
-use super::scene::{BandArray, SceneBands};
+use super::band_arrays::{BandArray, BandArrays, CellPass};
+use super::scene::SceneBands;
 use super::{Drawn, Renderer, Scene};
 use crate::backends::{Counts, Frame};
 use crate::error::{Error, Result};
 use crate::image::{BandImage, Image};
 use crate::optics::band_pieces::{BANDS_PER_PASS, GLOWING_BANDS_PER_PASS};
-use crate::optics::{BandPasses, BandTable, Integral, Model};
+use crate::optics::{BandCells, BandColumn, BandPasses, BandTable, Integral, Model};
 use crate::profile::Profile;
 
 /// Bands of light that are channels of a picture: red, green, blue.
@@ -57,36 +58,58 @@ impl Renderer {
         let mut gathered = Gathered::new(scene, glows, frame.view.size_px);
         match bands {
             SceneBands::Table(table) => {
-                self.draw_passes(&passes_of(table, 0, scene.field.offset), frame, &mut gathered, profile)?;
+                self.draw_passes(&passes_of(table, 0, scene.field.offset), 0, frame, &mut gathered, profile)?;
             }
-            SceneBands::Arrays(arrays) => {
-                for (band, BandArray { field, vertices, table }) in arrays.iter().enumerate() {
+            SceneBands::Arrays(BandArrays { each, cell_passes }) => {
+                // Light has the colour of the value; fans, and so GPUs, do not know which cell they are of.
+                let cell_passes = if glows || self.draws_fans() { &[] } else { &cell_passes[..] };
+                for pass in cell_passes {
+                    self.draw_cell_pass(pass, each, frame, &mut gathered, profile)?;
+                }
+                let is_drawn = |band: usize| cell_passes.iter().any(|pass| pass.bands.contains(&band));
+                for (band, BandArray { field, vertices, table }) in
+                    each.iter().enumerate().filter(|&(band, _)| !is_drawn(band))
+                {
                     let passes = passes_of(table, band, field.offset);
                     let vertices = vertices.as_deref().unwrap_or(frame.vertices);
-                    self.draw_passes(&passes, &Frame { field, vertices, ..*frame }, &mut gathered, profile)?;
+                    self.draw_passes(&passes, band, &Frame { field, vertices, ..*frame }, &mut gathered, profile)?;
                 }
             }
         }
         Ok(gathered.finish())
     }
 
-    /// Draws bands, pass by pass.
+    /// Draws bands from `first` on, pass by pass.
     fn draw_passes(
         &mut self,
         BandPasses { bands, passes, cull_table }: &BandPasses,
+        first: usize,
         frame: &Frame,
         gathered: &mut Gathered,
         profile: &mut Profile,
     ) -> Result<()> {
-        let (of_bands, per_pass) = (gathered.bytes, gathered.per_pass());
-        let budget = frame.memory_bytes;
-        let memory_bytes = budget.map(|bytes| bytes.saturating_sub(of_bands));
-        for (pass, first) in passes.iter().zip((0..*bands).step_by(per_pass)) {
-            let frame = Frame { bands: Some(pass), cull_table, memory_bytes, ..*frame };
-            let (image, counts) = self.draw(&frame, profile).map_err(|error| with_bands(error, budget, of_bands))?;
-            gathered.add(&image, per_pass.min(bands - first), counts);
+        let places: Vec<usize> = (first..first + bands).collect();
+        for (pass, places) in passes.iter().zip(places.chunks(gathered.per_pass())) {
+            let frame = Frame { bands: Some(pass), cull_table, ..*frame };
+            gathered.draw(places, &frame, |frame| self.draw(frame, profile))?;
         }
         Ok(())
+    }
+
+    /// Draws arrays of cell data in one pass.
+    fn draw_cell_pass(
+        &mut self,
+        CellPass { bands, largest, table }: &CellPass,
+        each: &[BandArray],
+        frame: &Frame,
+        gathered: &mut Gathered,
+        profile: &mut Profile,
+    ) -> Result<()> {
+        let BandPasses { passes, cull_table, .. } = &table.passes(largest.offset);
+        let columns: Vec<BandColumn> = bands.iter().map(|&band| each[band].column()).collect();
+        let optics = BandCells { columns: &columns, output: self.options.output };
+        let frame = Frame { field: largest, bands: passes.first(), cull_table, ..*frame };
+        gathered.draw(bands, &frame, |frame| self.draw_with(frame, &optics, profile))
     }
 }
 
@@ -96,8 +119,6 @@ struct Gathered {
     layers: BandImage,
     /// The first three bands of light; opacity is the mean of theirs.
     light: Option<Image>,
-    /// Bands that are there.
-    bands: usize,
     counts: Counts,
     /// Memory of the pictures and of the arrays that bands come from, which a frame does not know of.
     bytes: u64,
@@ -109,7 +130,7 @@ impl Gathered {
         let layers = BandImage::filled(width, height, scene.band_names(), 0.0);
         let per_pixel = layers.names.len() as u64 * 4 + 16;
         let bytes = scene.band_bytes() + u64::from(width) * u64::from(height) * per_pixel;
-        Self { layers, light, bands: 0, counts: Counts::default(), bytes }
+        Self { layers, light, counts: Counts::default(), bytes }
     }
 
     /// Bands that a pass draws.
@@ -117,22 +138,35 @@ impl Gathered {
         if self.light.is_some() { GLOWING_BANDS_PER_PASS } else { BANDS_PER_PASS }
     }
 
-    /// Adds a pass of so many bands.
-    fn add(&mut self, pass: &Image, bands: usize, counts: Counts) {
-        let first = self.bands;
+    /// Draws the pass of the bands at `places` within what they all leave of the memory budget.
+    fn draw(
+        &mut self,
+        places: &[usize],
+        frame: &Frame,
+        draw: impl FnOnce(&Frame) -> Result<(Image, Counts)>,
+    ) -> Result<()> {
+        let budget = frame.memory_bytes;
+        let memory_bytes = budget.map(|bytes| bytes.saturating_sub(self.bytes));
+        let (image, counts) =
+            draw(&Frame { memory_bytes, ..*frame }).map_err(|error| with_bands(error, budget, self.bytes))?;
+        self.add(&image, places, counts);
+        Ok(())
+    }
+
+    /// Adds a pass of the bands at `places`.
+    fn add(&mut self, pass: &Image, places: &[usize], counts: Counts) {
         let all = self.layers.names.len();
         for (pixel, of_pass) in self.layers.values.chunks_exact_mut(all).zip(&pass.pixels) {
-            pixel[first..first + bands].copy_from_slice(&of_pass[..bands]);
+            places.iter().zip(of_pass).for_each(|(&band, value)| pixel[band] = *value);
         }
         if let Some(light) = &mut self.light {
-            let channels = bands.min(CHANNELS.saturating_sub(first));
+            let channels = places.iter().filter(|&&band| band < CHANNELS).count();
             for (pixel, of_pass) in light.pixels.iter_mut().zip(&pass.pixels) {
                 let (of_light, opacity) = of_pass.split_at(GLOWING_BANDS_PER_PASS);
                 pixel[3] += opacity[..channels].iter().sum::<f32>() / CHANNELS as f32;
-                pixel.iter_mut().skip(first).zip(&of_light[..channels]).for_each(|(channel, light)| *channel = *light);
+                places[..channels].iter().zip(of_light).for_each(|(&channel, light)| pixel[channel] = *light);
             }
         }
-        self.bands += bands;
         self.counts = busier(self.counts, counts);
     }
 

@@ -22,14 +22,16 @@ pub(super) struct FrameOrder {
     layers: Option<Layers>,
     /// Whether the neighbours that it follows are those of a container, where that is the key.
     has_stored_adjacency: Option<bool>,
+    /// Faces at which cells were found to overlap.
+    overlapping_faces: u64,
 }
 
 impl Renderer {
     /// Chooses the order of a frame and makes what its keys are read from.
     ///
     /// `auto` takes what is exact: on the processor fragments are checked and put right, which costs less than a graph of the mesh
-    /// and needs no conditions. Fans take the topological order; where that has to break cycles, a GPU checks the order and the
-    /// processor draws the tiles again in which it was wrong.
+    /// and needs no conditions. Fans take the topological order; where that has to break cycles, or cells overlap, a GPU checks the
+    /// order and the processor draws the tiles again in which it was wrong.
     pub(super) fn order_frame(
         &self,
         scene: &Scene,
@@ -37,7 +39,8 @@ impl Renderer {
         topological: &mut Topological,
         profile: &mut Profile,
     ) -> FrameOrder {
-        let by = |key| FrameOrder { key, is_exact: false, layers: None, has_stored_adjacency: None };
+        let by =
+            |key| FrameOrder { key, is_exact: false, layers: None, has_stored_adjacency: None, overlapping_faces: 0 };
         match self.options.sort {
             _ if self.options.model.is_order_free() => by(SortKey::None),
             SortMethod::None => by(SortKey::None),
@@ -51,14 +54,21 @@ impl Renderer {
                 let start = Instant::now();
                 let layers = topological.order(&scene.dataset, adjacency, &scene.vertices, view);
                 profile.add("topological", start.elapsed(), scene.dataset.cells() as u64 * 64);
+                let overlapping_faces = scene.overlapping_faces(profile);
                 let is_exact = self.checks_order()
                     && match self.options.sort {
                         SortMethod::Exact => true,
-                        SortMethod::Auto => layers.cycles > 0,
+                        SortMethod::Auto => layers.cycles > 0 || overlapping_faces > 0,
                         _ => false,
                     };
                 let has_stored_adjacency = Some(adjacency.is_stored());
-                FrameOrder { layers: Some(layers), is_exact, has_stored_adjacency, ..by(SortKey::Topological) }
+                FrameOrder {
+                    layers: Some(layers),
+                    is_exact,
+                    has_stored_adjacency,
+                    overlapping_faces,
+                    ..by(SortKey::Topological)
+                }
             }
         }
     }
@@ -69,6 +79,9 @@ impl Renderer {
         let is_counted = is_ordered && (!self.draws_fans() || order.is_exact);
         let violations = is_counted.then_some(counts.violations);
         let exactness = match order.layers {
+            Some(_) if order.overlapping_faces > 0 && !order.is_exact => {
+                Exactness::CellsOverlap(order.overlapping_faces)
+            }
             Some(Layers { cycles, .. }) if cycles > 0 && !order.is_exact => Exactness::CyclesBroken(cycles),
             // Built from the graph of what lies before what.
             Some(_) => Exactness::Exact,

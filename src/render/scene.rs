@@ -2,16 +2,18 @@
 
 use std::sync::OnceLock;
 
+use super::band_arrays::BandArrays;
 use crate::backends::scene_bytes;
-use crate::columns::{Association, Dataset, Field};
-use crate::error::{Error, Result};
-use crate::optics::{BandPoint, BandTable, Model, Pieces, TransferFunction};
+use crate::columns::{Dataset, Field};
+use crate::error::Result;
+use crate::optics::{BandTable, Model, Pieces, TransferFunction};
 use crate::profile::Profile;
 use crate::stages::SceneVertex;
 use crate::stages::project::scene_vertices;
 use crate::stages::sort::SortKey;
 use crate::stages::sort::adjacency::Adjacency;
 use crate::stages::sort::delaunay::best_key;
+use crate::stages::sort::overlaps::overlapping_faces;
 
 /// A mesh, the scalar drawn on it, and what the scalar looks like.
 #[derive(Clone, Debug)]
@@ -26,6 +28,8 @@ pub struct Scene {
     pub(super) bands: Option<SceneBands>,
     /// Taken from the dataset or made, when an order first asks for it.
     adjacency: OnceLock<Adjacency>,
+    /// Counted when an order first asks for it.
+    overlapping_faces: OnceLock<u64>,
 }
 
 /// Where the extinctions of bands come from.
@@ -34,17 +38,7 @@ pub(super) enum SceneBands {
     /// Functions of the scene's scalar.
     Table(BandTable),
     /// An array each.
-    Arrays(Vec<BandArray>),
-}
-
-/// A band whose extinction is an array.
-#[derive(Clone, Debug)]
-pub(super) struct BandArray {
-    pub(super) field: Field,
-    /// Where the array is point data; cell data goes with the scene's own.
-    pub(super) vertices: Option<Vec<SceneVertex>>,
-    /// Extinction is the value.
-    pub(super) table: BandTable,
+    Arrays(BandArrays),
 }
 
 impl SceneBands {
@@ -52,7 +46,7 @@ impl SceneBands {
     pub(super) fn count(&self) -> usize {
         match self {
             Self::Table(table) => table.names().len(),
-            Self::Arrays(arrays) => arrays.len(),
+            Self::Arrays(arrays) => arrays.each.len(),
         }
     }
 }
@@ -72,6 +66,7 @@ impl Scene {
             best_key,
             bands: None,
             adjacency: OnceLock::new(),
+            overlapping_faces: OnceLock::new(),
         }
     }
 
@@ -102,21 +97,17 @@ impl Scene {
         Self { bands: Some(SceneBands::Table(bands)), ..self }
     }
 
-    /// Takes each band's extinction per world unit length from an array: constant in cells, or linear where it is point data. A
-    /// pass each. In emission-absorption bands have the colours that [`Scene::with_bands`] says, of the array's value: a transfer
-    /// function of colour 1 makes the light of a band its opacity.
+    /// Takes each band's extinction per world unit length from an array: constant in cells, or linear where it is point data.
+    ///
+    /// On the CPU up to four arrays of cell data without a value that is not finite take one pass of the absorption model; others,
+    /// all on GPUs, with fans and in emission-absorption, take a pass each. In emission-absorption bands have the colours that
+    /// [`Scene::with_bands`] says, of the array's value: a transfer function of colour 1 makes the light of a band its opacity.
     ///
     /// # Errors
-    /// [`Error::Bands`] where there is none or two have one name, [`Error::UnusableArray`] where a value is negative.
+    /// [`Error::Bands`](crate::Error::Bands) where there is none or two have one name, [`Error::UnusableArray`](crate::Error::UnusableArray) where a value is negative.
     pub fn with_band_arrays(self, fields: Vec<Field>) -> Result<Self> {
-        let names: Vec<String> = fields.iter().map(|field| field.name.clone()).collect();
-        BandTable::new(names, vec![BandPoint { value: 0.0, extinctions: vec![0.0; fields.len()] }])?;
-        let of_field = |field: Field| {
-            let vertices = (field.association == Association::Point).then(|| scene_vertices(&self.dataset, &field));
-            Ok(BandArray { table: identity(&field)?, vertices, field })
-        };
-        let arrays = fields.into_iter().map(of_field).collect::<Result<_>>()?;
-        Ok(Self { bands: Some(SceneBands::Arrays(arrays)), ..self })
+        let bands = SceneBands::Arrays(BandArrays::new(&self.dataset, fields)?);
+        Ok(Self { bands: Some(bands), ..self })
     }
 
     /// The mesh.
@@ -134,7 +125,7 @@ impl Scene {
         match &self.bands {
             None => Vec::new(),
             Some(SceneBands::Table(table)) => table.names().to_vec(),
-            Some(SceneBands::Arrays(arrays)) => arrays.iter().map(|array| array.field.name.clone()).collect(),
+            Some(SceneBands::Arrays(arrays)) => arrays.each.iter().map(|array| array.field.name.clone()).collect(),
         }
     }
 
@@ -149,14 +140,20 @@ impl Scene {
         self.adjacency.get_or_init(|| profile.time("adjacency", || Adjacency::new(&self.dataset)))
     }
 
+    /// Faces at which cells overlap; counted at the first call.
+    pub(super) fn overlapping_faces(&self, profile: &mut Profile) -> u64 {
+        *self.overlapping_faces.get_or_init(|| {
+            let adjacency = self.adjacency(profile);
+            profile.time("adjacency", || overlapping_faces(&self.dataset, adjacency))
+        })
+    }
+
     /// What the arrays of bands take of that.
     pub(super) fn band_bytes(&self) -> u64 {
-        let Some(SceneBands::Arrays(arrays)) = &self.bands else { return 0 };
-        let of_array = |BandArray { field, vertices, .. }: &BandArray| {
-            let vertices = vertices.as_deref().unwrap_or_default();
-            size_of_val(&field.values[..]) + size_of_val(&field.block_ranges[..]) + size_of_val(vertices)
-        };
-        arrays.iter().map(|array| of_array(array) as u64).sum()
+        match &self.bands {
+            Some(SceneBands::Arrays(arrays)) => arrays.owned_bytes(),
+            Some(SceneBands::Table(_)) | None => 0,
+        }
     }
 
     /// Bands that a picture is gathered from beside its four channels.
@@ -170,15 +167,4 @@ impl Scene {
         self.pieces = transfer.pieces(self.field.offset);
         self.transfer = transfer.clone();
     }
-}
-
-/// Extinction that is the value itself.
-fn identity(field: &Field) -> Result<BandTable> {
-    let (low, high) = field.range;
-    if low < 0.0 || high > f64::from(f32::MAX) {
-        let problem = format!("its values run from {low} to {high}; an extinction must be 0 or more, and finite");
-        return Err(Error::UnusableArray { name: field.name.clone(), problem });
-    }
-    let point = |value: f64| BandPoint { value, extinctions: vec![value] };
-    BandTable::new(vec![field.name.clone()], vec![point(0.0), point(high)])
 }

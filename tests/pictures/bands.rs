@@ -1,15 +1,16 @@
-//! Wavelength bands: closed forms, the reference in f64 band by band, sums of thousands of segments, arrays as bands.
+//! Wavelength bands: closed forms, the reference in f64 band by band, sums of thousands of segments.
 
 use cellfan::columns::{Array, Association, NumericColumn};
 use cellfan::generate::Scheme;
 use cellfan::image::BandImage;
 use cellfan::optics::{BandPoint, BandTable, Output};
 use cellfan::{
-    Camera, CpuMethod, Dataset, Field, FieldSelection, Integral, Model, Projection, RenderOptions, Rendered, Renderer,
-    Scene, TransferFunction,
+    Camera, CpuMethod, Dataset, Field, Integral, Model, Projection, RenderOptions, Rendered, Renderer, Scene,
+    TransferFunction,
 };
 use glam::DVec3;
 
+use crate::band_arrays::with_arrays;
 use crate::check::{Case, Rays};
 use crate::meshes::{Random, frame_unit_cube, grid, mesh, moved, point, random_delaunay, smooth, three_views};
 use crate::reference::{Segment, depth, shade};
@@ -173,7 +174,7 @@ fn thousands_of_segments_add_up_to_a_millionth() {
 }
 
 /// The largest difference of optical depths from the reference's, relative and beyond 1e-6, over all rays.
-fn worst_depth(rays: &Rays, picture: &BandImage, band: usize, expected: impl Fn(&[Segment]) -> f64) -> f64 {
+pub(crate) fn worst_depth(rays: &Rays, picture: &BandImage, band: usize, expected: impl Fn(&[Segment]) -> f64) -> f64 {
     let pairs = rays.pixels.iter().zip(&rays.segments);
     let off = pairs.map(|(&(x, y), segments)| {
         let (found, expected) = (f64::from(picture.pixel(x, y)[band]), expected(segments));
@@ -365,69 +366,6 @@ fn an_opaque_band_does_not_end_the_others() {
     }
 }
 
-/// A dataset with arrays of extinctions: two of points, two of cells.
-fn with_arrays() -> (Dataset, Vec<Field>) {
-    let mut mesh = random_delaunay(10_000);
-    let (points, cells) = (mesh.points.len(), mesh.tets.len());
-    let array = |name: &str, association, of: &dyn Fn(usize) -> f64| {
-        let len = if association == Association::Point { points } else { cells };
-        let values: Vec<f64> = (0..len).map(of).collect();
-        Array { name: name.to_owned(), association, components: 1, values: NumericColumn::from(values) }
-    };
-    let x = |i: usize| mesh.points.get(i).x;
-    mesh.arrays = vec![
-        array("ramp", Association::Point, &|i| 3.0 * x(i)),
-        array("holes", Association::Cell, &|i| if i % 3 == 0 { 0.0 } else { 1.0 + (i % 7) as f64 }),
-        array("heavy", Association::Point, &|i| 1000.0 + x(i)),
-        array("one", Association::Cell, &|_| 1.0),
-        array("nothing", Association::Cell, &|_| 0.0),
-    ];
-    let dataset = Dataset::from_tets(mesh).unwrap();
-    let fields = ["ramp", "holes", "heavy", "one", "nothing"];
-    let fields = fields.map(|name| dataset.field(&FieldSelection::parse(name, &dataset.arrays)).unwrap());
-    (dataset, fields.to_vec())
-}
-
-#[test]
-fn arrays_are_extinctions() {
-    let (dataset, fields) = with_arrays();
-    let identity = TransferFunction::new(vec![point(0.0, [1.0; 3], 0.0), point(2000.0, [1.0; 3], 2000.0)]).unwrap();
-    for (first, other) in [(0, 1), (1, 0)] {
-        // Whatever field the scene itself has.
-        let scene = Scene::new(dataset.clone(), fields[first].clone(), &dark());
-        let scene = scene.with_band_arrays(fields.clone()).unwrap();
-        assert_eq!(scene.band_names(), ["ramp", "holes", "heavy", "one", "nothing"]);
-        for (view, camera) in three_views(100, 80) {
-            let rendered = Renderer::new(DEPTH).render(&scene, &camera).unwrap();
-            assert_eq!(rendered.cells.total, rendered.cells.drawn + rendered.cells.culled_outside);
-            let picture = rendered.bands.unwrap();
-            for (band, field) in fields.iter().enumerate() {
-                let case = Case::of(dataset.clone(), field.clone());
-                let rays = case.random_rays(&camera, 3, 100);
-                let worst = worst_depth(&rays, &picture, band, |segments| depth(&identity, segments));
-                println!("{view:9} {:8} {worst:.1e}", field.name);
-                assert!(worst < 2e-3, "{view} {}: {worst}", field.name);
-            }
-            let rays = Case::of(dataset.clone(), fields[first].clone()).random_rays(&camera, 3, 100);
-            let worst = worst_depth(&rays, &picture, other, |segments| depth(&identity, segments));
-            assert!(worst > 0.1, "{other} passes as {first}");
-        }
-    }
-}
-
-#[test]
-fn arrays_that_are_no_extinctions_are_refused() {
-    let (dataset, fields) = with_arrays();
-    let scene = || Scene::new(dataset.clone(), fields[0].clone(), &dark());
-    let mut negative = fields[3].clone();
-    negative.range = (-1.0, 1.0);
-    let error = scene().with_band_arrays(vec![negative]).unwrap_err().to_string();
-    assert!(error.contains("\"one\"") && error.contains("0 or more"), "{error}");
-    let error = scene().with_band_arrays(vec![fields[0].clone(), fields[0].clone()]).unwrap_err().to_string();
-    assert!(error.contains("two bands are called \"ramp\""), "{error}");
-    assert!(scene().with_band_arrays(vec![]).is_err());
-}
-
 #[test]
 fn what_a_model_cannot_do_with_bands_is_refused() {
     let case = Case::new(grid(1000, Scheme::Six, 0.0), "value");
@@ -476,7 +414,7 @@ fn threads_budgets_and_methods_give_the_same_bands() {
 }
 
 /// Bytes needed and given in the message of a budget that is too small.
-fn too_small(scene: &Scene, camera: &Camera, options: RenderOptions) -> (u64, u64) {
+pub(crate) fn too_small(scene: &Scene, camera: &Camera, options: RenderOptions) -> (u64, u64) {
     match Renderer::new(options).render(scene, camera).unwrap_err() {
         cellfan::Error::Memory { budget_bytes, needed_bytes, .. } => (needed_bytes, budget_bytes),
         other => panic!("{other}"),

@@ -3,6 +3,7 @@
 
 mod accuracy;
 mod analytic;
+mod band_arrays;
 mod bands;
 mod budget;
 mod check;

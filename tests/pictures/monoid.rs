@@ -1,7 +1,7 @@
 //! What compositors rely on: contributions combine in any grouping, order-free ones in any order, nothing changes nothing.
 
 use cellfan::optics::{
-    Absorption, BandDepths, BandLight, BandTable, Emission, EmissionAbsorption, Mip, Optics, Output,
+    Absorption, BandCells, BandDepths, BandLight, BandTable, Emission, EmissionAbsorption, Mip, Optics, Output,
 };
 use proptest::prelude::*;
 
@@ -30,6 +30,7 @@ proptest! {
         check::<EmissionAbsorption>(a, b, c);
         check::<Absorption>(a, b, c);
         check::<Emission>(a, b, c);
+        check::<BandCells>(a, b, c);
         check::<BandDepths>(a, b, c);
         check::<BandLight>(a, b, c);
         // Only the first number of a maximum means anything.
@@ -50,6 +51,7 @@ fn nothing_is_a_miss() {
         let passes = BandTable::constant(vec![1.0; 5]).unwrap().passes(0.0).passes;
         assert_eq!(passes.len(), 2);
         assert_eq!(BandDepths { pieces: &passes[1], output }.pixel(BandDepths::CLEAR), [output.miss(); 4]);
+        assert_eq!(BandCells { columns: &[], output }.pixel(BandCells::CLEAR), [output.miss(); 4]);
         assert_eq!(BandLight { pieces: &passes[1] }.pixel(BandLight::CLEAR), [0.0; 4]);
     }
 }

@@ -146,9 +146,10 @@ pub(super) trait HexKernels: Compress {
     fn meet(self, hits: &mut Hits, tile: &TileFrame, cell: &HexFootprint, done: u64);
 }
 
-/// A cell with its corners among all vertices, and its value where it has one.
+/// A cell of the dataset with its corners among all vertices, and its value where it has one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hexahedron<'a> {
+    pub(super) index: usize,
     pub(super) vertex: [u32; 8],
     pub(super) shape: HexShape,
     pub(super) vertices: &'a [SceneVertex],
@@ -158,7 +159,7 @@ pub(super) struct Hexahedron<'a> {
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "each caller compiles it for another instruction set")]
 fn set_up(footprint: &mut HexFootprint, rays: &TileRays, hexahedron: &Hexahedron<'_>) {
-    let Hexahedron { vertex, shape, vertices, constant } = *hexahedron;
+    let Hexahedron { vertex, shape, vertices, constant, .. } = *hexahedron;
     footprint.set_up(rays, (vertex, shape), vertices, constant);
 }
 

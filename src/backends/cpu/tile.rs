@@ -164,10 +164,11 @@ pub(super) fn composite<O: Optics, S: Sink<O>, const PERSPECTIVE: bool>(
             batch.set_up(&tile.rays, &corners);
         }
         for (lane, &pair) in cells.iter().enumerate() {
-            if let Some(hexahedron) = (index_of(pair) as usize).checked_sub(first_hexahedron) {
+            let index = index_of(pair) as usize;
+            if let Some(hexahedron) = index.checked_sub(first_hexahedron) {
                 let (vertex, shape) = (hexahedra.get(hexahedron), hexahedra.shape(hexahedron));
-                let constant = cell_values.map(|values| values[first_hexahedron + hexahedron]);
-                let hexahedron = Hexahedron { vertex, shape, vertices: frame.vertices, constant };
+                let constant = cell_values.map(|values| values[index]);
+                let hexahedron = Hexahedron { index, vertex, shape, vertices: frame.vertices, constant };
                 composite_hexahedron(tile, optics, &hexahedron, compress, (hits, &mut of_hexahedron), sink);
                 continue;
             }
@@ -178,7 +179,7 @@ pub(super) fn composite<O: Optics, S: Sink<O>, const PERSPECTIVE: bool>(
                 let steep = SteepCell::new(&tile.rays, &batch, &corners, lane);
                 hits.correct::<PERSPECTIVE>(&tile.lanes, &steep);
             }
-            hits.shade(optics, CellSpan::new(frame.intervals(), cell.s_min, cell.s_max));
+            hits.shade(optics, CellSpan::new(frame.intervals(), cell.s_min, cell.s_max).of_cell(index));
             hits.send::<O, S>(tile, compress, sink);
         }
     }
@@ -197,7 +198,7 @@ fn composite_hexahedron<O: Optics, S: Sink<O>>(
     kernels.set_up(footprint, &tile.rays, hexahedron);
     let done = blocks_in(footprint.sides).filter(|&block| sink.is_done(block, footprint.v_max));
     let done = done.fold(0, |done, block| done | 1 << block);
-    let span = CellSpan::new(tile.frame.intervals(), footprint.s_min, footprint.s_max);
+    let span = CellSpan::new(tile.frame.intervals(), footprint.s_min, footprint.s_max).of_cell(hexahedron.index);
     if footprint.outline == Outline::Simple {
         kernels.meet(hits, tile, footprint, done);
         hits.shade(optics, span);

@@ -54,6 +54,7 @@ fn order(order: &OrderStats) -> String {
         Exactness::Exact => "exact".to_owned(),
         Exactness::Unverified => format!("by {}, not verified", order.kind),
         Exactness::CyclesBroken(cycles) => format!("by {}, {} broken", order.kind, count(cycles, "cycle")),
+        Exactness::CellsOverlap(faces) => format!("by {}, cells overlap at {}", order.kind, count(faces, "face")),
     };
     let misordered = order.misordered_pairs.map(|pairs| format!(" ({} misordered)", count(pairs, "pair")));
     format!("order {exactness}{}", misordered.unwrap_or_default())

@@ -2,7 +2,7 @@
 //!
 //! In: a block's visible cells and the view. Out: one `u32` key per cell, smaller is nearer: a depth (`centroid`, `power`), or the
 //! cell's layer in an order of the whole mesh (`topological`, made once a frame from its `adjacency`); where a backend wants one
-//! global order, `projected_from_drawn` by [`radix`]; [`check`] counts what an order got wrong.
+//! global order, `projected_from_drawn` by [`radix`]; [`check`] counts what an order got wrong, [`overlaps`] where none can be right.
 //! To add a key: a file with a function from a cell's corners to a depth, and its line in [`SortMethod`], [`SortKey`] and [`KeyMaker`].
 
 pub mod adjacency;
@@ -11,6 +11,7 @@ pub mod check;
 pub mod delaunay;
 mod faces;
 mod neighbours;
+pub mod overlaps;
 pub mod power;
 pub mod radix;
 mod side;
