@@ -1,5 +1,5 @@
 // Where there are other records in the room of fans: of each a box is drawn, and fragments find what they need in the
-// record, which the first vertex of a triangle hands on: memory is read once a cell, not once a fragment.
+// record, which the first vertex of a triangle hands on (flat means the first one): memory is read once a cell, not once a fragment.
 
 struct Fragment {
     @builtin(position) position: vec4<f32>,

@@ -29,7 +29,7 @@ pub(super) fn canonical_from_vertex(positions: &[[f32; 3]]) -> Vec<u32> {
 
 /// The same for all vertices at one place, and for no others.
 #[inline]
-pub(super) fn place(position: [f32; 3]) -> [u32; 3] {
+pub(crate) fn place(position: [f32; 3]) -> [u32; 3] {
     position.map(|x| (x + 0.0).to_bits())
 }
 

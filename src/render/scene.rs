@@ -104,7 +104,8 @@ impl Scene {
     /// [`Scene::with_bands`] says, of the array's value: a transfer function of colour 1 makes the light of a band its opacity.
     ///
     /// # Errors
-    /// [`Error::Bands`](crate::Error::Bands) where there is none or two have one name, [`Error::UnusableArray`](crate::Error::UnusableArray) where a value is negative.
+    /// [`Error::Bands`](crate::Error::Bands) where there is none or two have one name,
+    /// [`Error::UnusableArray`](crate::Error::UnusableArray) where a value is negative.
     pub fn with_band_arrays(self, fields: Vec<Field>) -> Result<Self> {
         let bands = SceneBands::Arrays(BandArrays::new(&self.dataset, fields)?);
         Ok(Self { bands: Some(bands), ..self })

@@ -1,6 +1,6 @@
 //! The shaders of each model, put together from the files in `shaders/`.
 //!
-//! In: model and integral. Out: WGSL text; a module of it. Release builds leave out the run-time checks of bounds and loops.
+//! In: model, integral, what may stand among the fans. Out: WGSL text; a module of it. Release builds leave out the run-time checks of bounds and loops.
 #![expect(unsafe_code, reason = "shader modules without run-time checks")]
 
 use crate::backends::TILE_PX;

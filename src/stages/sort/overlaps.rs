@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::adjacency::{Adjacency, Face};
 use super::faces::triangles;
-use crate::columns::Dataset;
+use crate::columns::{Dataset, place};
 
 /// Cells that overlap by less, in diagonals of the mesh, are as good as side by side: what the check of fragments allows too
 /// (`ORDER_SLACK`), and some thirty times what narrowing positions to f32 does to a plane face.
@@ -21,10 +21,9 @@ const SLACK: f64 = 2e-6;
 type Place = [[u32; 3]; 3];
 
 fn place_of(corners: [Vec3; 3]) -> Place {
-    // Both zeros are one place.
-    let mut place = corners.map(|corner| (corner + Vec3::ZERO).to_array().map(f32::to_bits));
-    place.sort_unstable();
-    place
+    let mut places = corners.map(|corner| place(corner.to_array()));
+    places.sort_unstable();
+    places
 }
 
 /// Counts the faces of four corners that reach into a cell across them which is cut along the other diagonal.
