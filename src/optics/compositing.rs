@@ -192,7 +192,12 @@ impl<'a> Ramp<'a> {
 #[inline(always)]
 pub(super) fn at(piece: &Piece, s: f32) -> (f32, [f32; 3]) {
     let t = s - piece.start;
-    let extinction = piece.extinction + t * piece.extinction_slope;
     let (c, d) = (&piece.color, &piece.color_slope);
-    (max(extinction, 0.0), [c[0] + t * d[0], c[1] + t * d[1], c[2] + t * d[2]])
+    (extinction(piece, t), [c[0] + t * d[0], c[1] + t * d[1], c[2] + t * d[2]])
+}
+
+/// Extinction of a piece at value t above its start.
+#[inline(always)]
+pub(super) fn extinction(piece: &Piece, t: f32) -> f32 {
+    max(piece.extinction + t * piece.extinction_slope, 0.0)
 }

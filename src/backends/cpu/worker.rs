@@ -23,7 +23,7 @@ use crate::stages::sort::radix::{Pair, sort_local};
 
 /// Fragments that each pixel holds back where the order must be exact and the key is `power`, which gets next to nothing
 /// wrong on the meshes it is chosen for.
-const HELD_BY_POWER: usize = 2;
+const HELD_BY_POWER: usize = 1;
 
 /// The same for other keys. Of 1.36 million cells of a grid jittered by a quarter (1024², sorted by centroids), holding 2, 3, 4
 /// left 13,381, 1,625 and 138 fragments out of order; a block out of order is drawn twice.
