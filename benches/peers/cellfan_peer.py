@@ -27,6 +27,11 @@ def version(program):
     return run([str(program), "--version"]).strip()
 
 
+def generate(program, arguments, path):
+    """Writes a generated mesh, its arrays as they are."""
+    run([str(program), "generate", *arguments, "--raw", "-o", str(path)])
+
+
 def render(program, mesh, transfer, camera, frames, step_degrees, folder, options):
     """Frames of one process, the eye turned by `step_degrees` from one to the next; `options` go to the program as they are."""
     camera_path, stats_path, picture_path = folder / "camera.json", folder / "stats.json", folder / "frames.npy"
@@ -44,7 +49,10 @@ def render(program, mesh, transfer, camera, frames, step_degrees, folder, option
 
 def run(command):
     """Standard output of a command that succeeds."""
-    done = subprocess.run(command, capture_output=True, text=True)
+    try:
+        done = subprocess.run(command, capture_output=True, text=True)
+    except OSError as error:
+        raise Failed(f"{command[0]} cannot be run: {error.strerror}") from error
     if done.returncode:
         raise Failed(f"{' '.join(command)}\n{done.stderr.strip()}")
     return done.stdout

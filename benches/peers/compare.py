@@ -78,6 +78,8 @@ def parse():
     add("--json", type=Path, help="write all figures here")
     add("options", nargs="*", help="after --: options of cellfan render, such as --sort topological [default: --backend cpu]")
     arguments = parser.parse_args()
+    # A bare name would be looked for in PATH.
+    arguments.cellfan = arguments.cellfan.resolve()
     arguments.transfer = TransferFunction()
     arguments.options = arguments.options or ["--backend", "cpu"]
     return arguments
@@ -93,7 +95,8 @@ def positive(text):
 def compare(spec, arguments):
     """All figures of a mesh."""
     say = lambda text: print(f"{spec.name}: {text}", file=sys.stderr, flush=True)
-    path = meshes.make(spec, arguments.work, arguments.cellfan)
+    generate = lambda options, path: cellfan_peer.generate(arguments.cellfan, options, path)
+    path = meshes.make(spec, arguments.work, generate)
     grid = vtk_peer.read_tetrahedra(path)
     camera = Camera.framing(np.reshape(grid.GetBounds(), (3, 2)).T, 35, 20, (arguments.size,) * 2)
     plan = rounds.Plan(arguments.rounds, arguments.frames, arguments.step, arguments.slow * 1e3)

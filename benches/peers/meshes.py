@@ -3,7 +3,6 @@
 Every program draws the same file: tetrahedra that `cellfan generate` writes, and curvilinear hexahedra that are written here.
 """
 
-import subprocess
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,15 +30,15 @@ SPECS = [
 ]
 
 
-def make(spec, folder, cellfan):
-    """Writes the mesh into `folder` unless it is there; its path."""
+def make(spec, folder, generate):
+    """Writes the mesh into `folder` unless it is there; its path. `generate(arguments, path)` is that of cellfan."""
     path = folder / spec.file
     if not path.exists():
         partial = path.with_name("partial." + path.name)
         if spec.side:
             write_vts(partial, *curvilinear(spec.side))
         else:
-            subprocess.run([str(cellfan), "generate", *spec.generate, "--raw", "-o", str(partial)], check=True)
+            generate(spec.generate, partial)
         partial.rename(path)
     return path
 
