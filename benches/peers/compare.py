@@ -74,7 +74,8 @@ def parse():
     add("--size", type=positive, default=1024, help="pixels a side [default: %(default)s]")
     add("--threads", type=positive, default=2, help="cores that every program may use [default: %(default)s]")
     add("--samples", type=int, default=600, help="pixels compared with the reference; 0: none [default: %(default)s]")
-    add("--slow", type=float, default=6, help="a peer that takes more seconds a frame draws one a round [default: %(default)s]")
+    slow = "a peer that takes more seconds a frame draws one a round, ten times as many: one in all [default: %(default)s]"
+    add("--slow", type=float, default=6, help=slow)
     add("--json", type=Path, help="write all figures here")
     add("options", nargs="*", help="after --: options of cellfan render, such as --sort topological [default: --backend cpu]")
     arguments = parser.parse_args()
