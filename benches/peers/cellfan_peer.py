@@ -50,7 +50,7 @@ def render(program, mesh, transfer, camera, frames, step_degrees, folder, option
 def run(command):
     """Standard output of a command that succeeds."""
     try:
-        done = subprocess.run(command, capture_output=True, text=True)
+        done = subprocess.run(command, check=False, capture_output=True, text=True)
     except OSError as error:
         raise Failed(f"{command[0]} cannot be run: {error.strerror}") from error
     if done.returncode:

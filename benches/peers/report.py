@@ -56,7 +56,7 @@ def table(results):
     """Markdown: a row a mesh, a time and an error for each program."""
     peers = list(dict.fromkeys(name for result in results for name in result["programs"] if name != "cellfan"))
     head = ["mesh", "cells", *(f"VTK {peer}, ms" for peer in peers), "cellfan, ms"]
-    head += [f"{peer} / cellfan" for peer in peers] + ["wanted"]
+    head += [f"{peer} / cellfan" for peer in peers] + ["projected tetrahedra: wanted"]
     head += [f"error of {name}, mean / max" for name in [*peers, "cellfan"]]
     rows = [head, ["---"] + ["---:"] * (len(head) - 1)]
     for result in results:
@@ -92,7 +92,7 @@ def notes(results):
             counts = [len(frames) for frames in program["time"]["rounds_ms"]]
             most = max(len(frames) for frames in result["programs"]["cellfan"]["time"]["rounds_ms"])
             if min(counts) < most:
-                lines.append(f"{result['title']}: {name} drew {sum(counts)} frames alone, being slow.")
+                lines.append(f"{result['title']}: {name} is slow: {sum(counts)} frame{'s' * (sum(counts) > 1)} only.")
         if result["fields_apart"]:
             apart = result["fields_apart"]
             lines.append(

@@ -71,7 +71,7 @@ class Cells(unittest.TestCase):
         self.assertGreater(np.abs(other - split).max(), 1e-6)
 
     def test_a_homogeneous_cube_is_the_length_of_its_chord(self):
-        points, cells, values = sheared_grid(3)
+        _, cells, values = sheared_grid(3)
         points = np.stack(np.meshgrid(*[np.arange(4) / 3] * 3, indexing="ij"), axis=-1)[..., ::-1].reshape(-1, 3)
         view, transfer = camera(points), TransferFunction([[0, 1, 1, 1, 1.7]])
         want = []
@@ -79,8 +79,9 @@ class Cells(unittest.TestCase):
             direction = view.direction(x, y)
             sides = np.sort((np.array([[0.0], [1.0]]) - view.eye) / direction, axis=0)
             want.append(-np.expm1(-1.7 * (sides[1].min() - sides[0].max()) * np.linalg.norm(direction)))
-        for cells in [reference.Hexahedra(points, cells, values), reference.Tetrahedra(points, cells[:, FIVE].reshape(-1, 4), values)]:
-            got = drawn(cells, view, transfer)
+        tetrahedra = cells[:, FIVE].reshape(-1, 4)
+        for mesh in [reference.Hexahedra(points, cells, values), reference.Tetrahedra(points, tetrahedra, values)]:
+            got = drawn(mesh, view, transfer)
             np.testing.assert_allclose(got, np.repeat(np.array(want)[:, None], 4, axis=1), atol=1e-12)
 
     def test_folded_hexahedra_leave_no_gap(self):

@@ -40,7 +40,7 @@ def prepare(threads):
         import vtk
     except ImportError as error:
         raise Missing(f"VTK cannot be imported ({error}): pip install -r requirements.txt") from error
-    probe = subprocess.run([sys.executable, "-c", PROBE], capture_output=True, text=True)
+    probe = subprocess.run([sys.executable, "-c", PROBE], check=False, capture_output=True, text=True)
     lines = [line.split(":", 1) for line in probe.stdout.splitlines() if ":" in line]
     device = {name.removeprefix("OpenGL ").removesuffix(" string"): value.strip() for name, value in lines}
     if probe.returncode or "renderer" not in device:
