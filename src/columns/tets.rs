@@ -127,7 +127,9 @@ impl<'a> TetsView<'a> {
     /// If there is no such cell.
     #[inline]
     pub fn get(&self, cell: usize) -> [u32; 4] {
-        let Some(&BlockIds { start, base }) = self.blocks.get(cell / Dataset::BLOCK_CELLS) else { return self.wide[cell] };
+        let Some(&BlockIds { start, base }) = self.blocks.get(cell / Dataset::BLOCK_CELLS) else {
+            return self.wide[cell];
+        };
         let (first, cell) = (start as usize * BlockIds::UNIT_BYTES, cell % Dataset::BLOCK_CELLS);
         if base == BlockIds::WIDE {
             in_range(self.wide[first / 16 + cell], self.last_vertex)

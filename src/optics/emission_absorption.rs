@@ -3,7 +3,7 @@
 //! Contribution: premultiplied RGB and transmittance. `over` is Porter and Duff's.
 
 use super::attenuation::THIN_LIMIT;
-use super::compositing::{CellSpan, Optics, Piecewise, extinction, piecewise};
+use super::compositing::{CellSpan, Optics, Piecewise, extinction, light_slipped_in, piecewise};
 use super::integral::{
     SegmentWeights, VERY_THIN_LIMIT, segment_weights, segment_weights_thin, segment_weights_very_thin,
 };
@@ -51,6 +51,12 @@ impl Optics for EmissionAbsorption<'_> {
     fn over(front: [f32; 4], back: [f32; 4]) -> [f32; 4] {
         let t = front[3];
         [front[0] + t * back[0], front[1] + t * back[1], front[2] + t * back[2], t * back[3]]
+    }
+
+    fn slipped_in(whole: [f32; 4], behind: [f32; 4], fragment: [f32; 4]) -> Option<[f32; 4]> {
+        let of = |c: usize| light_slipped_in([whole[c], whole[3]], [behind[c], behind[3]], [fragment[c], fragment[3]]);
+        let ([r, t], [g, _], [b, _]) = (of(0)?, of(1)?, of(2)?);
+        Some([r, g, b, t])
     }
 
     #[inline(always)]
