@@ -149,6 +149,8 @@ mod tests {
         for i in (0..values.len()).step_by(211) {
             values[i] = if i % 2 == 0 { f32::NAN } else { f32::INFINITY };
         }
+        let is_invalid = |tet: &[u32; 4]| tet.iter().any(|&v| !values[v as usize].is_finite());
+        field.invalid = dataset.tets.iter().filter(is_invalid).count() as u64;
         field.values = values.into();
         let (mut screen, view): (_, View) = (Vec::new(), views(&dataset, 64, 64)[0]);
         project(&view, &scene_vertices(&dataset, &field), &mut screen);
