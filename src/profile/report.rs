@@ -292,3 +292,6 @@ impl Report {
         write_atomically(path, |writer| writer.write_all(self.to_json().as_bytes()).map_err(io_at(path)))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -15,27 +15,27 @@ pub(in crate::cli) struct Arguments {
     #[arg(required_unless_present = "compare", conflicts_with = "compare", value_name = "MESH", help = FORMATS)]
     pub(super) meshes: Vec<PathBuf>,
     /// Instead of measuring: say what changed from one run to another beyond the noise of their frames; files that --stats wrote.
-    #[arg(long, num_args = 2, value_names = ["A.json", "B.json"], conflicts_with_all = ["scene", "measuring"])]
+    #[arg(long, num_args = 2, value_names = ["A.json", "B.json"], conflicts_with_all = MEASURING)]
     pub(super) compare: Vec<PathBuf>,
 
     #[command(flatten)]
     pub(super) scene: scene::Arguments,
 
     /// Draw N frames that count.
-    #[arg(long, value_name = "N", help_heading = "Frames", group = "measuring", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", help_heading = "Frames", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub(super) frames: u32,
     /// How far the eye turns about the target over them; 0 draws one view again and again.
-    #[arg(long, value_name = "DEGREES", help_heading = "Frames", group = "measuring", default_value = "360", value_parser = finite, allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEGREES", help_heading = "Frames", default_value = "360", value_parser = finite, allow_hyphen_values = true)]
     pub(super) orbit: f64,
     /// Draw N frames before them, which do not count.
-    #[arg(long, value_name = "N", help_heading = "Frames", group = "measuring", default_value_t = 3, value_parser = clap::value_parser!(u32).range(..=1_000_000))]
+    #[arg(long, value_name = "N", help_heading = "Frames", default_value_t = 3, value_parser = clap::value_parser!(u32).range(..=1_000_000))]
     pub(super) warm_up: u32,
     /// Draw N of the views again at half the width and height, to tell what goes with pixels from what goes with cells.
-    #[arg(long, value_name = "N", help_heading = "Frames", group = "measuring", default_value_t = 5, value_parser = clap::value_parser!(u32).range(..=1000))]
+    #[arg(long, value_name = "N", help_heading = "Frames", default_value_t = 5, value_parser = clap::value_parser!(u32).range(..=1000))]
     pub(super) half_size: u32,
 
     /// Write the figures of every frame as JSON; - is stdout, in place of the table.
-    #[arg(long, value_name = "OUT.json", help_heading = "Output", group = "measuring", allow_hyphen_values = true)]
+    #[arg(long, value_name = "OUT.json", help_heading = "Output", allow_hyphen_values = true)]
     pub(super) stats: Option<PathBuf>,
     /// Write a row for each frame: its time and that of each stage.
     #[arg(long, value_name = "OUT.csv", help_heading = "Output", group = "measuring")]
@@ -48,6 +48,9 @@ pub(in crate::cli) struct Arguments {
     #[arg(long, value_name = "OUT.json", help_heading = "Output", group = "measuring")]
     pub(super) trace: Option<PathBuf>,
 }
+
+/// Everything that a comparison has no use for.
+const MEASURING: [&str; 9] = ["scene", "frames", "orbit", "warm_up", "half_size", "stats", "csv", "plot", "trace"];
 
 const EXAMPLES: &str = "\
 Examples:
