@@ -80,6 +80,7 @@ fn measure(arguments: &Arguments, setup: &mut Setup, recorder: Option<&Recorder>
     report.mesh = setup.scene.mesh_record(&meshes::label(&arguments.meshes).display().to_string());
     report.before = FrameRecord::new(0, 0.0, &std::mem::take(&mut setup.before)).stages;
     report.settings = arguments.scene.settings(setup);
+    report.settings.insert("trace".to_owned(), arguments.trace.is_some().into());
     report.peak_rss_bytes = peak_rss_bytes();
     setup.backend.say();
     if let Some((cells, order)) = &last {

@@ -67,7 +67,9 @@ impl Report {
 
     fn dominant_stage(&self) -> Option<String> {
         let stages = self.stages();
-        let largest = stages.iter().filter(|s| s.track.is_frame()).max_by(|a, b| a.share.total_cmp(&b.share))?;
+        // Waiting is not work: the hint on GPUs has it.
+        let works = |s: &&StageSummary| s.track.is_frame() && s.name != "wait_for_gpu";
+        let largest = stages.iter().filter(works).max_by(|a, b| a.share.total_cmp(&b.share))?;
         let StageSummary { name, ms, share, .. } = largest;
         let of = format!("({:.2} of {:.2} ms)", ms.median, self.median_ms());
         (*share >= 0.2).then(|| {

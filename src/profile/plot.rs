@@ -52,7 +52,10 @@ impl Report {
     pub fn to_svg(&self) -> String {
         let mut svg = Svg::new(SIZE, &self.heading());
         let left = COLUMNS[0];
-        svg.bold([left, 34.0], 18.0, &self.heading());
+        let heading = self.heading();
+        // Bold letters are some 0.66 of their size wide: a long name in smaller ones.
+        let size = (1.5 * (SIZE[0] - 2.0 * left) / heading.chars().count() as f64).clamp(8.0, 18.0);
+        svg.bold([left, 34.0], size, &heading);
         svg.text([left, 56.0], 12.0, FAINT, Anchor::Start, &self.origin());
         let Some(ms) = self.frame_ms() else {
             svg.text([left, 120.0], 14.0, INK, Anchor::Start, "no frames");
@@ -127,10 +130,14 @@ fn draw_rates(svg: &mut Svg, frames: &Frames, report: &Report, ms: &Distribution
     let top = rate(ms.least).min(CUT * rate(ms.median));
     let axis = Axis::new(top * 1.08, RATES);
     draw_panel(svg, frames, &axis, "frames a second", report.views.orbit_degrees, false);
+    let mut free = 0.0;
     for (value, name, dash) in [(rate(ms.median), "median", "7 4"), (rate(ms.p95), "95 % of frames reach", "2 3")] {
         let y = axis.y(value);
         svg.line([COLUMNS[0], y], [COLUMNS[1], y], INK, 1.0, dash);
-        svg.text([COLUMNS[1] + 12.0, y + 4.0], 12.0, INK, Anchor::Start, &format!("{name} {value:.1}"));
+        // Names keep apart where the lines do not.
+        let below = y.max(free);
+        svg.text([COLUMNS[1] + 12.0, below + 4.0], 12.0, INK, Anchor::Start, &format!("{name} {value:.1}"));
+        free = below + 15.0;
     }
     let points: Vec<[f64; 2]> =
         report.frames.iter().enumerate().map(|(i, frame)| [frames.center(i), axis.y(rate(frame.ms))]).collect();

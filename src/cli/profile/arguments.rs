@@ -38,14 +38,14 @@ pub(in crate::cli) struct Arguments {
     #[arg(long, value_name = "OUT.json", help_heading = "Output", allow_hyphen_values = true)]
     pub(super) stats: Option<PathBuf>,
     /// Write a row for each frame: its time and that of each stage.
-    #[arg(long, value_name = "OUT.csv", help_heading = "Output", group = "measuring")]
+    #[arg(long, value_name = "OUT.csv", help_heading = "Output")]
     pub(super) csv: Option<PathBuf>,
     /// Draw frame rate and stages over the frames: .png or .svg.
-    #[arg(long, value_name = "OUT", help_heading = "Output", group = "measuring")]
+    #[arg(long, value_name = "OUT", help_heading = "Output")]
     pub(super) plot: Option<PathBuf>,
     /// Write what every thread and the GPU did when, for ui.perfetto.dev or chrome://tracing. The GPU's clock has no common zero with the
     /// processor's: its passes are shown as early as their submission allows.
-    #[arg(long, value_name = "OUT.json", help_heading = "Output", group = "measuring")]
+    #[arg(long, value_name = "OUT.json", help_heading = "Output")]
     pub(super) trace: Option<PathBuf>,
 }
 

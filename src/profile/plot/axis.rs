@@ -21,7 +21,7 @@ impl Axis {
 
     /// Round values, four to nine of them, with their labels.
     pub(super) fn ticks(&self) -> Vec<(f64, String)> {
-        let step = round_step(self.top / 5.0);
+        let step = round_step(self.top / 8.0);
         let digits = (-step.log10().floor()).max(0.0) as usize;
         let count = (self.top / step + 1e-9).floor() as usize;
         (0..=count).map(|i| i as f64 * step).map(|value| (value, format!("{value:.digits$}"))).collect()

@@ -25,15 +25,15 @@ fn parsed(svg: &str) -> (Vec<String>, std::collections::HashMap<String, usize>) 
     loop {
         match reader.read_event().unwrap() {
             Event::Start(start) | Event::Empty(start) => {
-                *counts.entry(String::from_utf8(start.name().as_ref().to_vec()).unwrap()).or_insert(0) += 1;
+                *counts.entry(start.name().as_ref().to_owned()).or_insert(0) += 1;
                 text.clear();
             }
-            Event::Text(part) => text.push_str(&String::from_utf8(part.to_vec()).unwrap()),
+            Event::Text(part) => text.push_str(&part),
             Event::GeneralRef(name) => text.push_str(match &*name {
-                b"lt" => "<",
-                b"gt" => ">",
-                b"amp" => "&",
-                b"quot" => "\"",
+                "lt" => "<",
+                "gt" => ">",
+                "amp" => "&",
+                "quot" => "\"",
                 other => panic!("{other:?}"),
             }),
             Event::End(_) => texts.push(std::mem::take(&mut text)),
