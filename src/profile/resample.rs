@@ -16,6 +16,9 @@ const SEED: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// The interval of the median of `values` with `confidence`, 0 to 1; none of fewer than [`FEWEST`] values.
 pub(super) fn median_interval(values: &[f64], confidence: f64) -> Option<[f64; 2]> {
+    if values.len() < FEWEST {
+        return None;
+    }
     interval(values, block_length(values), confidence)
 }
 
@@ -31,9 +34,6 @@ pub(super) fn ratio_interval(a: &[f64], b: &[f64], confidence: f64) -> Option<[f
 
 /// With blocks of a known length.
 fn interval(values: &[f64], block: usize, confidence: f64) -> Option<[f64; 2]> {
-    if values.len() < FEWEST {
-        return None;
-    }
     ends(medians(values, block, &mut SplitMix(SEED)), confidence)
 }
 

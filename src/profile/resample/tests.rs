@@ -123,7 +123,10 @@ fn ratios_of_unpaired_values() {
     let [low, high] = ratio_interval(&a, &times(&mut random, 10.0), 0.99).unwrap();
     assert!(low < 1.0 && 1.0 < high, "{low} {high}");
     assert_eq!(ratio_interval(&a, &b[..FEWEST - 1], 0.99), None);
-    assert_eq!(median_interval(&a[..FEWEST - 1], 0.99), None);
+    assert_eq!(
+        (median_interval(&a[..FEWEST - 1], 0.99), median_interval(&[], 0.99), ratio_interval(&[], &a, 0.99)),
+        (None, None, None)
+    );
 }
 
 #[test]
