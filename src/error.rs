@@ -196,6 +196,13 @@ pub enum Error {
         problem: String,
     },
 
+    /// A profile that is not one.
+    #[error("profile: {problem}")]
+    Profile {
+        /// What is wrong, where, and what was expected.
+        problem: String,
+    },
+
     /// Wavelength bands that are none.
     #[error("bands: {problem}")]
     Bands {

@@ -7,8 +7,10 @@ mod bands;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod order;
+mod profiled;
 mod scene;
 
+pub use profiled::profile_views;
 pub use scene::Scene;
 
 use std::time::Instant;

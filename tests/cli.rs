@@ -19,6 +19,8 @@ mod interrupted;
 mod memory;
 #[path = "cli/other_verbs.rs"]
 mod other_verbs;
+#[path = "cli/profile.rs"]
+mod profile;
 #[path = "cli/render.rs"]
 mod render;
 #[path = "cli/several.rs"]

@@ -55,6 +55,7 @@ impl DrawOrder {
         let counts = self.cull_and_key(frame, is_ordered, profile);
         let start = Instant::now();
         if is_ordered {
+            let _span = tracing::trace_span!("sort").entered();
             sort_coherent(&mut self.pairs, &mut self.scratch);
         }
         profile.add("sort", start.elapsed(), self.pairs.len() as u64 * 64);
@@ -85,6 +86,7 @@ impl DrawOrder {
         let per_block: Vec<(Vec<Pair>, Counts)> = (0..frame.dataset.blocks.len())
             .into_par_iter()
             .map(|block| {
+                let _span = tracing::trace_span!("cull", block).entered();
                 let view = frame.dataset.block(block);
                 let (mut visible, mut projected, mut areas) = (Vec::new(), Vec::new(), Vec::new());
                 let culled =

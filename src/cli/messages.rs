@@ -6,16 +6,20 @@
 use std::fmt;
 use std::io::{self, Write};
 
+use cellfan::profile::trace::Recorder;
 use tracing::{Event, Level, Subscriber};
 use tracing_subscriber::EnvFilter;
+use tracing_subscriber::Layer;
 use tracing_subscriber::fmt::format::Writer;
 use tracing_subscriber::fmt::{FmtContext, FormatEvent, FormatFields};
+use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::registry::LookupSpan;
+use tracing_subscriber::util::SubscriberInitExt;
 
 use super::progress;
 
-/// From here on events appear on stderr.
-pub(super) fn start(verbose: u8, quiet: bool) {
+/// From here on events appear on stderr, and spans go to `recorder`.
+pub(super) fn start(verbose: u8, quiet: bool, recorder: Option<&Recorder>) {
     let level = match verbose {
         _ if quiet => "error",
         0 => "info",
@@ -23,7 +27,12 @@ pub(super) fn start(verbose: u8, quiet: bool) {
         _ => "trace",
     };
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(format!("cellfan={level}")));
-    tracing_subscriber::fmt().with_env_filter(filter).with_ansi(false).event_format(Line).with_writer(|| Stderr).init();
+    let lines = tracing_subscriber::fmt::layer().with_ansi(false).event_format(Line).with_writer(|| Stderr);
+    let registry = tracing_subscriber::registry().with(lines.with_filter(filter));
+    match recorder {
+        Some(recorder) => registry.with(recorder.layer()).init(),
+        None => registry.init(),
+    }
 }
 
 /// A note is its text; other levels are named.

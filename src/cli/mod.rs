@@ -14,8 +14,10 @@ mod info;
 mod meshes;
 mod messages;
 mod numbers;
+mod profile;
 mod progress;
 mod render;
+mod scene;
 mod stdout;
 
 use std::ffi::OsString;
@@ -41,6 +43,8 @@ struct Cli {
 enum Command {
     /// Draw a mesh, or several as one.
     Render(Box<render::Arguments>),
+    /// Measure frame times over many views, and say where they go; or compare two runs.
+    Profile(Box<profile::Arguments>),
     /// Say what is in a mesh file and what of it would be drawn.
     Info(info::Arguments),
     /// Write a mesh, or several as one, as a container, which is opened at once and drawn in place.
@@ -70,6 +74,7 @@ Examples:
   cellfan generate buckyball --cells 1000000 -o c60.vtu
   cellfan info c60.vtu
   cellfan render c60.vtu -o c60.png
+  cellfan profile c60.vtu
 
 Exit codes: 0 done, 1 bad input or usage, 2 no usable device.";
 
@@ -77,14 +82,20 @@ Exit codes: 0 done, 1 bad input or usage, 2 no usable device.";
 pub(crate) fn run(arguments: impl Iterator<Item = OsString>) -> Outcome {
     drivers::be_quiet();
     let Cli { command, everywhere } = Cli::try_parse_from(arguments)?;
-    messages::start(everywhere.verbose, everywhere.quiet);
+    let recorder = match &command {
+        Command::Profile(arguments) => arguments.recorder(),
+        _ => None,
+    };
+    messages::start(everywhere.verbose, everywhere.quiet, recorder.as_ref());
     let threads = usize::from(everywhere.threads.unwrap_or(0)); // 0: rayon's choice
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| Error::Option {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(|i| format!("worker {i}"));
+    let pool = pool.build().map_err(|error| Error::Option {
         option: "--threads",
         problem: format!("the system does not start that many: {error}"),
     })?;
     pool.install(|| match &command {
         Command::Render(arguments) => render::run(arguments),
+        Command::Profile(arguments) => profile::run(arguments, recorder.as_ref()),
         Command::Info(arguments) => info::run(arguments),
         Command::Convert(arguments) => convert::run(arguments),
         Command::Generate(arguments) => generate::run(arguments),

@@ -1,16 +1,63 @@
 //! [`Profile`]: what each stage took, under the stage's own name; [`Stats`]: what one run did, as a table and as JSON.
+//! [`Report`]: what many frames took, one by one, with [hints](Report::hints); [`Comparison`]: what changed between two of them.
 //!
-//! In: durations, bytes and counts from whoever runs the stages. Out: a table for a terminal, STATS.json for programs.
-//! To add a stage: time it under its file's name, it appears in its place. To add a figure: a field in `stats`.
+//! In: durations, bytes and counts from whoever runs the stages. Out: tables for a terminal, JSON and CSV for programs, a
+//! [plot](plot), a [trace](mod@trace) (feature `trace`).
+//! To add a stage: time it under its file's name, it appears in its place. To add a figure: a field in `stats` or `report`.
 
+mod clock;
+mod compare;
+mod csv;
+mod distribution;
+mod hints;
+mod machine;
 mod memory;
+pub mod plot;
+mod report;
+mod report_table;
+mod resample;
 mod stats;
 mod table;
+#[cfg(feature = "trace")]
+pub mod trace;
 
 use std::time::{Duration, Instant};
 
+use serde::{Deserialize, Serialize};
+
+#[cfg(feature = "gpu")]
+pub(crate) use clock::clock_ns;
+pub use compare::{Change, Comparison, Difference, Ratio};
+pub use distribution::{Distribution, quantile};
+pub use hints::Hint;
+pub use machine::{Machine, Program};
 pub use memory::{anonymous_bytes, peak_rss_bytes};
+pub use report::{FrameRecord, MeshRecord, Report, StageRecord, StageSummary, Views};
 pub use stats::{CellStats, Exactness, OrderStats, Stats};
+
+/// Target of the `tracing` events, at `trace` level, that tell what a pass took on a GPU: `name`, `begin_ns` and `end_ns` on the clock of
+/// [`trace`](mod@trace).
+pub const GPU_PASS: &str = "gpu_pass";
+
+/// Where a stage runs, and so whether its time is part of the frame's.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Track {
+    /// One after the other: the frame's time is the sum of these, and little else.
+    #[default]
+    Frame,
+    /// On a thread of its own, while other stages run.
+    Thread,
+    /// On the GPU, by its own clock, while other stages run.
+    Gpu,
+}
+
+impl Track {
+    /// Whether it is [`Track::Frame`].
+    pub fn is_frame(&self) -> bool {
+        *self == Self::Frame
+    }
+}
 
 /// What one stage took.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,6 +68,8 @@ pub struct StageTime {
     pub duration_ms: f64,
     /// Bytes read and written, as the stage counts them; 0 where it does not.
     pub bytes: u64,
+    /// Where it runs.
+    pub track: Track,
 }
 
 /// The stages in the order in which they first ran, each once.
@@ -54,8 +103,13 @@ impl Profile {
 
     /// Adds wall time and bytes to `stage`; a stage that is new comes last.
     pub fn add(&mut self, stage: &'static str, elapsed: Duration, bytes: u64) {
+        self.add_beside(Track::Frame, stage, elapsed, bytes);
+    }
+
+    /// The same for a stage that ran on `track`.
+    pub fn add_beside(&mut self, track: Track, stage: &'static str, elapsed: Duration, bytes: u64) {
         let end = self.stages.len();
-        let stage = self.stage(stage, end);
+        let stage = self.stage(stage, track, end);
         stage.duration_ms += elapsed.as_secs_f64() * 1e3;
         stage.bytes += bytes;
     }
@@ -101,7 +155,7 @@ impl Profile {
         self.note_memory(other.peak_anonymous_bytes);
         for theirs in &other.stages {
             let end = self.stages.len();
-            let ours = self.stage(theirs.name, end);
+            let ours = self.stage(theirs.name, theirs.track, end);
             ours.duration_ms += theirs.duration_ms;
             ours.bytes += theirs.bytes;
         }
@@ -128,7 +182,7 @@ impl Profile {
             median.note_memory(frame.peak_anonymous_bytes);
             let mut place = 0;
             for stage in &frame.stages {
-                median.stage(stage.name, place);
+                median.stage(stage.name, stage.track, place);
                 place = 1 + median.stages.iter().position(|s| s.name == stage.name).unwrap_or(place);
             }
         }
@@ -143,9 +197,9 @@ impl Profile {
     }
 
     /// The stage of that name, put in at `place` if it is new.
-    fn stage(&mut self, name: &'static str, place: usize) -> &mut StageTime {
+    fn stage(&mut self, name: &'static str, track: Track, place: usize) -> &mut StageTime {
         let i = self.stages.iter().position(|s| s.name == name).unwrap_or_else(|| {
-            self.stages.insert(place, StageTime { name, duration_ms: 0.0, bytes: 0 });
+            self.stages.insert(place, StageTime { name, duration_ms: 0.0, bytes: 0, track });
             place
         });
         &mut self.stages[i]
@@ -195,6 +249,17 @@ mod tests {
         });
         assert_eq!(value, Ok(7));
         assert!(p.get("cull").unwrap().duration_ms >= 5.0);
+    }
+
+    #[test]
+    fn what_runs_beside_the_frame_keeps_its_track() {
+        let mut p = profile(&[("fans", 4, 0)]);
+        p.add_beside(Track::Gpu, "gpu_draw", Duration::from_millis(9), 0);
+        let mut sum = Profile::default();
+        sum.append(&p);
+        for kept in [&p, &sum, &Profile::median(&[p.clone(), p.clone()])] {
+            assert_eq!(kept.stages().iter().map(|s| s.track).collect::<Vec<_>>(), [Track::Frame, Track::Gpu]);
+        }
     }
 
     #[test]

@@ -61,7 +61,7 @@ fn total(f: &mut Formatter<'_>, width: usize, name: &str, ms: f64) -> Result {
 }
 
 /// Bytes in powers of 1000.
-fn in_units(bytes: u64) -> String {
+pub(super) fn in_units(bytes: u64) -> String {
     if bytes < 1000 {
         return format!("{bytes} B");
     }

@@ -52,6 +52,7 @@ impl Renderer {
             SortMethod::Auto | SortMethod::Exact | SortMethod::Topological => {
                 let adjacency = scene.adjacency(profile);
                 let start = Instant::now();
+                let _span = tracing::trace_span!("topological").entered();
                 let layers = topological.order(&scene.dataset, adjacency, &scene.vertices, view);
                 profile.add("topological", start.elapsed(), scene.dataset.cells() as u64 * 64);
                 let overlapping_faces = scene.overlapping_faces(profile);

@@ -340,7 +340,10 @@ pub fn write_runs<S: FanSlot>(input: &FanInput, runs: &[Vec<u32>], counts: &[usi
         free = rest;
         slots.push(slot);
     }
-    let by_run = runs.par_iter().zip(slots).map(|(run, mut slot)| write(input, run, &mut slot));
+    let by_run = runs.par_iter().zip(slots).map(|(run, mut slot)| {
+        let _span = tracing::trace_span!("fans", cells = run.len()).entered();
+        write(input, run, &mut slot)
+    });
     by_run.reduce(ClassCounts::default, |mut all, some| {
         all += some;
         all

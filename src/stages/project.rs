@@ -60,6 +60,7 @@ pub fn scene_vertices(dataset: &Dataset, field: &Field) -> Vec<SceneVertex> {
 
 /// Projects every vertex into `screen`, which is resized to fit.
 pub fn project(view: &View, vertices: &[SceneVertex], screen: &mut Vec<ScreenVertex>) {
+    let _span = tracing::trace_span!("project").entered();
     let projection = view.projection();
     vertices
         .par_iter()

@@ -84,6 +84,7 @@ impl Bins {
         self.scan();
         let (out, starts) = (as_atomic(&mut self.pairs), &self.starts);
         self.chunks.par_iter_mut().for_each(|chunk| {
+            let _span = tracing::trace_span!("scatter").entered();
             for (&pair, tiles) in chunk.binned.iter().zip(&chunk.tiles_from_binned) {
                 for tile in tiles.get().tiles(grid) {
                     let place = &mut chunk.places[tile];
@@ -105,6 +106,7 @@ impl Bins {
         let per_chunk = blocks.div_ceil(CHUNKS).max(1);
         self.chunks.resize_with(blocks.div_ceil(per_chunk), Chunk::default);
         self.chunks.par_iter_mut().enumerate().for_each(|(i, chunk)| {
+            let _span = tracing::trace_span!("chunk", chunk = i).entered();
             chunk.reset();
             let mut cells = lock(&self.blocks).pop().unwrap_or_default();
             work(chunk, &mut cells, i * per_chunk..((i + 1) * per_chunk).min(blocks));

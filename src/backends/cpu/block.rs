@@ -66,10 +66,13 @@ impl BlockCells {
     pub(super) fn project(&mut self, projector: &Projector, block: &BlockView) -> Counts {
         let Projector { frame, screen, boxes, .. } = projector;
         let start = Instant::now();
+        let span = tracing::trace_span!("cull").entered();
         self.cell_from_visible.clear();
         let Culled { transparent, invalid } =
             cull::cull(block, frame.field, screen, (frame.intervals(), frame.cull_table), &mut self.cell_from_visible);
         let culled = Instant::now();
+        drop(span);
+        let _span = tracing::trace_span!("footprints").entered();
         self.cell_from_projected.clear();
         self.boxes.clear();
         boxes.of_cells(
@@ -112,6 +115,7 @@ impl BlockCells {
     /// Computes the keys and gives each cell with its pair and its tiles to `place`.
     pub(super) fn for_each(&mut self, projector: &Projector, block: &BlockView, mut place: impl FnMut(Pair, TileBox)) {
         let start = Instant::now();
+        let _span = tracing::trace_span!("sort_keys").entered();
         self.key_from_projected.clear();
         let Frame { keys, vertices, .. } = projector.frame;
         keys.keys(block, vertices, &self.cell_from_projected, &mut self.key_from_projected);

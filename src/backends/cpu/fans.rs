@@ -50,6 +50,7 @@ impl FanCompositor {
             let size = width as usize * BAND;
             let bands = image.pixels.par_chunks_mut(size).enumerate();
             let draw = |(band, pixels): (usize, &mut [[f32; 4]]), lost: &mut [[f32; 4]]| {
+                let _span = tracing::trace_span!("composite", band).entered();
                 let mut rows = Rows { first: band * BAND, width: width as usize, pixels, lost };
                 for record in self.fans.chunks(fans_per_record) {
                     if let Some(cell) = HexFan::of_record(record) {

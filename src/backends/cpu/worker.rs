@@ -119,6 +119,7 @@ impl Worker {
     /// Draws `tile` into the worker's pixels, block by block, lane by lane.
     fn draw_tile<O: Optics>(&mut self, task: &TileTask<O>, tile: usize) -> Drawn {
         let start = Instant::now();
+        let _span = tracing::trace_span!("tile", tile).entered();
         let mut drawn = Drawn::default();
         let out = &mut *self.pixels;
         task.bins.pairs_of(tile, &mut self.order);
@@ -127,10 +128,12 @@ impl Worker {
             return drawn;
         }
         if task.frame.keys.key() != SortKey::None {
+            let _span = tracing::trace_span!("sort").entered();
             sort_local(&mut self.order, &mut self.scratch);
         }
         let sorted = Instant::now();
 
+        let _span = tracing::trace_span!("composite").entered();
         let frame = TileFrame::new(task.frame, task.bins.grid.origin_px(tile));
         if O::IS_SUM {
             let Self { order, hits, sum, .. } = self;
@@ -154,6 +157,7 @@ impl Worker {
     /// Draws `blocks` with all their fragments sorted per pixel; where those of one block are more than the plan has room for,
     /// nothing is drawn and their number returned.
     fn draw_again<O: Optics>(&mut self, task: &TileTask<O>, frame: &TileFrame, blocks: u64) -> usize {
+        let _span = tracing::trace_span!("draw_again").entered();
         let Self { order, hits, collect, pixels, .. } = self;
         let mut draw = |portion: u64| -> BlockCounts {
             let mut sink = Portion::new(blocks, portion, collect);

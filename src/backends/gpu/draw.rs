@@ -20,7 +20,7 @@ use crate::backends::{Counts, Frame};
 use crate::error::{Error, Result};
 use crate::image::Image;
 use crate::optics::Shading;
-use crate::profile::Profile;
+use crate::profile::{Profile, Track};
 use crate::stages::fans::Fan;
 
 /// Draws triangle fans on a GPU; keeps its buffers, and the last draw order, between frames.
@@ -91,6 +91,7 @@ impl GpuCompositor {
         readback.copy(targets, &mut encoder);
         self.submit_and_time(encoder, |_| readback.ask(), profile)?;
         let start = Instant::now();
+        let _span = tracing::trace_span!("read_back").entered();
         let image = readback.image(&self.gpu)?;
         self.gpu.check()?;
         profile.add("read_back", start.elapsed(), image.pixels.len() as u64 * 16);
@@ -142,6 +143,7 @@ impl GpuCompositor {
             timestamps.resolve(&mut encoder);
         }
         let start = Instant::now();
+        let _span = tracing::trace_span!("wait_for_gpu").entered();
         self.gpu.queue.submit([encoder.finish()]);
         ask(&self.gpu);
         if let Some(timestamps) = &self.timestamps {
@@ -151,8 +153,8 @@ impl GpuCompositor {
         profile.add("wait_for_gpu", start.elapsed(), 0);
         self.gpu.check()?;
         if let Some((draw, resolve)) = self.timestamps.as_ref().and_then(Timestamps::times) {
-            profile.add("gpu_draw", draw, 0);
-            profile.add("gpu_resolve", resolve, 0);
+            profile.add_beside(Track::Gpu, "gpu_draw", draw, 0);
+            profile.add_beside(Track::Gpu, "gpu_resolve", resolve, 0);
         }
         Ok(())
     }
@@ -193,11 +195,13 @@ impl GpuCompositor {
             let mut is_whole = true;
             for slice in order.slices(&input, ring.capacity) {
                 let start = Instant::now();
+                let span = tracing::trace_span!("wait_for_gpu").entered();
                 let Some(slot) = ring.next() else {
                     is_whole = false;
                     break;
                 };
                 profile.add("wait_for_gpu", start.elapsed(), 0);
+                drop(span);
                 let start = Instant::now();
                 let fans = slice.fans();
                 counts.add_classes(slice.write(&input, ring.memory(slot, fans)));
@@ -214,7 +218,7 @@ impl GpuCompositor {
         if drawn.is_err() {
             self.targets = None;
         }
-        profile.add("submit", drawn?, 0);
+        profile.add_beside(Track::Thread, "submit", drawn?, 0);
         self.gpu.check()?;
         if let (Some(late), Some((targets, ..))) = (late, &self.targets) {
             let start = Instant::now();

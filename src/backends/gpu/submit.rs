@@ -44,6 +44,7 @@ impl Submitter<'_> {
         let mut is_first = true;
         for (slot, fans) in filled {
             let start = Instant::now();
+            let _span = tracing::trace_span!("submit", fans).entered();
             let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             self.ring.hand_over(slot, fans, &mut encoder);
             let timestamps = self.timestamps.as_deref_mut().and_then(Timestamps::of_fans);

@@ -10,7 +10,7 @@ use cellfan::{
 use super::arguments::{Arguments, Backend as Wanted};
 
 /// What draws.
-pub(super) struct Backend {
+pub(in crate::cli) struct Backend {
     #[cfg(feature = "gpu")]
     gpu: Option<Gpu>,
     #[cfg(feature = "gpu")]
@@ -23,7 +23,7 @@ pub(super) struct Backend {
 
 impl Backend {
     /// Says what drew, and why.
-    pub(super) fn say(&self) {
+    pub(in crate::cli) fn say(&self) {
         if !self.note.is_empty() {
             tracing::info!("{}", self.note);
         }
@@ -89,11 +89,11 @@ impl Backend {
         }
     }
 
-    pub(super) fn name(&self) -> &'static str {
+    pub(in crate::cli) fn name(&self) -> &'static str {
         if self.gpu.is_some() { "gpu" } else { "cpu" }
     }
 
-    pub(super) fn adapter(&self) -> Option<String> {
+    pub(in crate::cli) fn adapter(&self) -> Option<String> {
         self.gpu.as_ref().map(|gpu| gpu.adapter().to_string())
     }
 }
@@ -154,11 +154,11 @@ impl Backend {
         renderer.render(scene, camera)
     }
 
-    pub(super) fn name(&self) -> &'static str {
+    pub(in crate::cli) fn name(&self) -> &'static str {
         "cpu"
     }
 
-    pub(super) fn adapter(&self) -> Option<String> {
+    pub(in crate::cli) fn adapter(&self) -> Option<String> {
         None
     }
 }

@@ -1,15 +1,15 @@
-//! What `render` says about its choices and about cells that are not drawn as the file has them.
+//! What is said about its choices and about cells that are not drawn as the file has them.
 
 use std::path::Path;
 
 use cellfan::columns::{Association, CellCounts};
-use cellfan::profile::{Exactness, OrderStats, Stats};
+use cellfan::profile::{CellStats, Exactness, OrderStats};
 use cellfan::{Dataset, Field};
 
 use crate::cli::numbers::{count, grouped, short};
 
 /// Everything that is known before the frames.
-pub(super) struct Summary {
+pub(in crate::cli) struct Summary {
     chosen: String,
     counts: CellCounts,
 }
@@ -31,13 +31,12 @@ impl Summary {
     }
 
     /// Says it, with the order that the frames had.
-    pub(super) fn say(&self, stats: &Stats) {
-        tracing::info!("{}; {}", self.chosen, order(&stats.order));
-        let remarks = remarks(&self.counts, stats);
+    pub(in crate::cli) fn say(&self, cells: &CellStats, order: &OrderStats) {
+        tracing::info!("{}; {}", self.chosen, in_words(order));
+        let remarks = remarks(&self.counts, cells);
         if !remarks.is_empty() {
             tracing::info!("{}", remarks.join("; "));
         }
-        let cells = &stats.cells;
         tracing::debug!(
             "{} tetrahedra drawn, {} culled as transparent, {} outside the view",
             grouped(cells.drawn),
@@ -48,7 +47,7 @@ impl Summary {
 }
 
 /// The order and how far it can be trusted.
-fn order(order: &OrderStats) -> String {
+fn in_words(order: &OrderStats) -> String {
     let exactness = match order.exactness {
         _ if order.kind == "none" && order.exactness == Exactness::Exact => "not needed".to_owned(),
         Exactness::Exact => "exact".to_owned(),
@@ -61,7 +60,7 @@ fn order(order: &OrderStats) -> String {
 }
 
 /// What is not drawn as the file has it.
-fn remarks(counts: &CellCounts, stats: &Stats) -> Vec<String> {
+fn remarks(counts: &CellCounts, cells: &CellStats) -> Vec<String> {
     let all = [
         (counts.lower_dimensional, "without volume by their kind skipped"),
         (counts.ghost, "hidden by vtkGhostType skipped"),
@@ -72,7 +71,7 @@ fn remarks(counts: &CellCounts, stats: &Stats) -> Vec<String> {
     let drawn = [
         (counts.inverted, "turned: their corners ran the other way"),
         (counts.degenerate, "without volume left out"),
-        (stats.cells.invalid, "left out: a value of theirs is not finite"),
+        (cells.invalid, "left out: a value of theirs is not finite"),
     ];
     let remark = |(n, what)| format!("{} {what}", count(n, "cell"));
     all.into_iter().chain(drawn).filter(|&(n, _)| n > 0).map(remark).collect()

@@ -1,0 +1,219 @@
+//! What `render` and `profile` draw: from arguments to a scene, a camera and a renderer.
+//!
+//! In: [`Arguments`] and meshes. Out: a [`Request`], checked as far as it can be before anything is read; then a [`Setup`] that draws
+//! frames. What was chosen is said in one line: the array ([`array`]), the transfer function ([`transfer`]), the view ([`view`]).
+
+mod arguments;
+mod array;
+mod automatic;
+mod backend;
+mod bands;
+mod heap;
+mod memory;
+mod summary;
+mod transfer;
+mod view;
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use cellfan::io::container;
+use cellfan::profile::Profile;
+use cellfan::{
+    Camera, CpuMethod, Dataset, Error, Model, RenderOptions, Rendered, Renderer, Scene, SortMethod, TransferFunction,
+    io,
+};
+
+pub(super) use arguments::Arguments;
+use backend::Backend;
+use bands::BandSource;
+use memory::Memory;
+use serde_json::Value;
+use summary::Summary;
+use transfer::TransferSource;
+use view::ViewSource;
+
+use super::arguments::Cells;
+use super::meshes;
+
+/// What was asked for, found possible without reading the meshes.
+pub(super) struct Request<'a> {
+    meshes: &'a [PathBuf],
+    arguments: &'a Arguments,
+    options: RenderOptions,
+    backend: Backend,
+    transfer: TransferSource,
+    bands: BandSource,
+    view: ViewSource,
+}
+
+/// A scene, the first camera, and what draws them.
+pub(super) struct Setup {
+    pub(super) scene: Scene,
+    pub(super) camera: Camera,
+    pub(super) options: RenderOptions,
+    pub(super) backend: Backend,
+    pub(super) summary: Summary,
+    /// What reading took.
+    pub(super) before: Profile,
+    /// What to call the transfer function.
+    pub(super) transfer_note: String,
+    renderer: Renderer,
+    memory: Memory,
+}
+
+impl<'a> Request<'a> {
+    /// Checks the arguments, finds a device, reads all files but the meshes.
+    pub(super) fn new(meshes: &'a [PathBuf], arguments: &'a Arguments) -> cellfan::Result<Self> {
+        Ok(Self {
+            meshes,
+            arguments,
+            options: options(arguments)?,
+            backend: Backend::choose(arguments)?,
+            transfer: TransferSource::load(arguments)?,
+            bands: BandSource::load(arguments)?,
+            view: ViewSource::load(arguments)?,
+        })
+    }
+
+    /// Reads the meshes and makes the scene.
+    pub(super) fn read(self) -> cellfan::Result<Setup> {
+        let Self { meshes, arguments, options, backend, transfer, bands, view } = self;
+        let label = meshes::label(meshes);
+        if arguments.memory.is_some() {
+            meshes::check_budget(meshes)?;
+            heap::give_back_early();
+        }
+        let mut before = Profile::default();
+        let is_whole = arguments.cells != Some(Cells::Tetrahedra);
+        let mut dataset = read(meshes, !arguments.no_mmap, is_whole, &mut before)?;
+        let start = Instant::now();
+        let (bands, band_note) = bands.make(&dataset).map_err(|error| error.in_file(&label))?;
+        let field = match bands.first_array() {
+            Some(field) => field.clone(),
+            None => array::choose(&dataset, arguments.array.as_deref()).map_err(|error| error.in_file(&label))?,
+        };
+        let (transfer, transfer_note) = match band_note {
+            // Bands that do not glow have no use for colours; arrays glow white where nothing else is said.
+            Some(note) if options.model == Model::Absorption => (TransferFunction::constant([1.0; 3], 0.0)?, note),
+            Some(note) if bands.are_arrays() && arguments.transfer.is_none() => {
+                (TransferFunction::constant([1.0; 3], 0.0)?, format!("white, {note}"))
+            }
+            note => {
+                let (transfer, transfer_note) = transfer.make(&dataset, &field, options.model)?;
+                let bands = note.map(|bands| format!(", {bands}")).unwrap_or_default();
+                (transfer, format!("{transfer_note}{bands}"))
+            }
+        };
+        let (camera, view_note) = view.make(&dataset)?;
+        let summary = Summary::new(&label, &dataset, &field, &view_note, &transfer_note);
+        // The arrays are not needed any more.
+        dataset.arrays = Vec::new();
+        let scene = bands.give_to(Scene::new(dataset, field, &transfer)).map_err(|error| error.in_file(&label))?;
+        before.add("field", start.elapsed(), 0);
+        before.sample_memory();
+
+        let memory = Memory::new(arguments.memory, &scene);
+        let options = RenderOptions { memory_bytes: memory.of_frame()?, ..options };
+        let renderer = backend.renderer(options);
+        Ok(Setup { scene, camera, options, backend, summary, before, transfer_note, renderer, memory })
+    }
+}
+
+impl Arguments {
+    /// Everything that was chosen and may change what frames take, by name.
+    pub(super) fn settings(&self, setup: &Setup) -> BTreeMap<String, Value> {
+        let cells = if self.cells == Some(Cells::Tetrahedra) { "tetrahedra" } else { "whole" };
+        let more: [(&str, Value); 10] = [
+            ("adapter", setup.backend.adapter().into()),
+            ("array", setup.scene.field().name.clone().into()),
+            ("backend", setup.backend.name().into()),
+            ("bands", setup.scene.band_names().into()),
+            ("cells", cells.into()),
+            ("gpu_memory", self.gpu_memory.into()),
+            ("memory", self.memory.into()),
+            ("no_mmap", self.no_mmap.into()),
+            ("threads", rayon::current_num_threads().into()),
+            ("transfer", setup.transfer_note.clone().into()),
+        ];
+        let mut settings = setup.options.settings();
+        settings.extend(more.into_iter().map(|(name, value)| (name.to_owned(), value)));
+        settings
+    }
+}
+
+impl Setup {
+    /// Draws one frame.
+    pub(super) fn draw(&mut self, camera: &Camera) -> cellfan::Result<Rendered> {
+        let Self { scene, options, backend, renderer, memory, .. } = self;
+        backend.render(renderer, *options, scene, camera).map_err(|error| memory.in_process(error))
+    }
+
+    /// Says that no frame shows anything.
+    pub(super) fn warn_blank() {
+        tracing::warn!(
+            "no ray meets anything that shows: look elsewhere (--view), or give a --transfer with some extinction"
+        );
+    }
+
+    /// The camera of frame `frame` of `count` that turn the eye by `degrees` in all.
+    pub(super) fn orbited(&self, frame: u32, count: u32, degrees: f64) -> Camera {
+        if frame == 0 {
+            self.camera.clone()
+        } else {
+            self.camera.orbited(f64::from(frame) * degrees / f64::from(count))
+        }
+    }
+}
+
+/// Reads the meshes as one and puts its cells in order.
+fn read(paths: &[PathBuf], use_map: bool, is_whole: bool, profile: &mut Profile) -> cellfan::Result<Dataset> {
+    let _progress = meshes::reading(paths);
+    let start = Instant::now();
+    if let Some(path) = meshes::one_container(paths)? {
+        let dataset = container::open(path, use_map)?;
+        profile.add("read", start.elapsed(), if use_map { 0 } else { path.metadata().map_or(0, |file| file.len()) });
+        if is_whole || dataset.hexahedra.is_empty() {
+            return Ok(dataset);
+        }
+        let tetrahedra = profile.time("order", || dataset.into_tetrahedra()).map_err(|error| error.in_file(path));
+        profile.sample_memory();
+        return tetrahedra;
+    }
+    let mesh = io::open_meshes(paths)?;
+    let bytes = paths.iter().map(|path| path.metadata().map_or(0, |file| file.len())).sum();
+    profile.add("read", start.elapsed(), bytes);
+    profile.sample_memory();
+    let into_dataset = || if is_whole { mesh.into_whole_dataset() } else { mesh.into_dataset() };
+    let dataset = profile.time("order", into_dataset).map_err(|error| error.in_file(meshes::label(paths)));
+    profile.sample_memory();
+    dataset
+}
+
+fn options(arguments: &Arguments) -> cellfan::Result<RenderOptions> {
+    // The renderer would refuse it too, but only when the mesh has been read.
+    if arguments.sort == SortMethod::Exact && arguments.cpu_method == CpuMethod::Fans {
+        let problem = "exact needs --cpu-method footprints; with fans say --sort topological".to_owned();
+        return Err(Error::Option { option: "--sort", problem });
+    }
+    let takes_all_cells =
+        arguments.cpu_method == CpuMethod::Fans || arguments.check_order || arguments.sort == SortMethod::Topological;
+    if arguments.memory.is_some() && takes_all_cells {
+        let problem =
+            "--cpu-method fans, --check-order and --sort topological take all cells at once and keep no budget"
+                .to_owned();
+        return Err(Error::Option { option: "--memory", problem });
+    }
+    Ok(RenderOptions {
+        model: arguments.model,
+        integral: arguments.integral,
+        output: arguments.output,
+        sort: arguments.sort,
+        stop_transmittance: arguments.stop,
+        cpu_method: arguments.cpu_method,
+        check_order: arguments.check_order,
+        faces: arguments.faces,
+        ..RenderOptions::default()
+    })
+}
