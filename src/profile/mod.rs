@@ -3,12 +3,16 @@
 //! In: durations, bytes and counts from whoever runs the stages. Out: a table for a terminal, STATS.json for programs.
 //! To add a stage: time it under its file's name, it appears in its place. To add a figure: a field in `stats`.
 
+#[cfg(feature = "cli")]
+mod machine;
 mod memory;
 mod stats;
 mod table;
 
 use std::time::{Duration, Instant};
 
+#[cfg(feature = "cli")]
+pub use machine::{Machine, free_memory_bytes, load_average};
 pub use memory::{anonymous_bytes, peak_rss_bytes};
 pub use stats::{CellStats, Exactness, OrderStats, Stats};
 
