@@ -1,4 +1,4 @@
-//! What the memory of this machine gives: STREAM's copy and triad (McCalpin 1995) over arrays that no cache holds.
+//! What the memory of this machine gives: STREAM's copy and triad (1995) over arrays that no cache holds.
 //!
 //! Bytes are counted as STREAM does: what the loop reads and writes, not what a cache fetches before it is overwritten.
 

@@ -23,7 +23,7 @@ pub(super) fn half_ball(cells: u64) -> cellfan::Result<StructuredMesh> {
         let (polar, azimuth) = (PI * p, PI * a);
         // The poles lie on the axis, to the bit.
         let aside = if p <= 0.0 || p >= 1.0 { 0.0 } else { polar.sin() };
-        let swelled = r * (1.0 + 0.12 * r * (5.0 * polar).sin() * (4.0 * azimuth).cos());
+        let swelled = r * (1.0 + 0.06 * r * (5.0 * polar).sin() * (4.0 * azimuth).cos());
         swelled * DVec3::new(aside * azimuth.cos(), aside * azimuth.sin(), polar.cos())
     })
 }

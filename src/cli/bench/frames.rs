@@ -21,8 +21,6 @@ pub(super) struct Frames {
     pub(super) cells: CellStats,
     #[serde(skip)]
     pub(super) order: OrderStats,
-    #[serde(skip)]
-    pub(super) triangles: u64,
     /// The share of the first picture that shows something.
     pub(super) covered_share: f64,
     /// The first picture.
@@ -79,7 +77,6 @@ impl Shots<'_> {
             time: Spread::of(times_ms),
             cells: again.cells,
             order: again.order,
-            triangles: again.triangles,
             covered_share,
             first,
             stages_ms: Profile::median(&profiles),

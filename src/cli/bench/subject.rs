@@ -86,12 +86,14 @@ impl Subject {
             .map_err(|error| error.in_file(path))
     }
 
-    /// The value that the largest values of this share of the cells lie below.
+    /// A value that the largest values of this share of the cells lie below, between two that occur.
     fn value_above(&self, share: f64) -> f64 {
         let mut largest: Vec<f32> = (0..self.dataset.cells()).map(|cell| self.largest(cell)).collect();
         let place = ((largest.len() - 1) as f64 * share) as usize;
-        let (_, &mut value, _) = largest.select_nth_unstable_by(place, f32::total_cmp);
-        self.field.offset + f64::from(value)
+        let (_, &mut value, above) = largest.select_nth_unstable_by(place, f32::total_cmp);
+        let next = above.iter().copied().filter(|&next| next > value).fold(f32::INFINITY, f32::min);
+        let between = if next.is_finite() { f64::midpoint(value.into(), next.into()) } else { value.into() };
+        self.field.offset + between
     }
 
     /// The largest stored value of a cell.

@@ -46,7 +46,7 @@ pub(super) fn digits(number: f64) -> String {
         size if size >= 9.995 => format!("{number:.1}"),
         size if size >= 0.9995 => format!("{number:.2}"),
         size if size >= 0.09995 => format!("{number:.3}"),
-        size if size >= 0.0009995 => format!("{number:.4}"),
+        size if size >= 9.995e-4 => format!("{number:.4}"),
         _ => format!("{number:.1e}"),
     }
 }

@@ -83,8 +83,8 @@ impl Classified {
 
     /// Each cell's fate.
     pub(super) fn counts(&self) -> Counts {
-        let Self { cells, absent, degenerate, .. } = *self;
-        let mut counts = Counts { cells, absent, degenerate, ..Counts::default() };
+        let Self { cells, degenerate, absent, .. } = *self;
+        let mut counts = Counts { cells, degenerate, absent, ..Counts::default() };
         for corners in &self.corners {
             match self.classify(corners) {
                 Projection::Whole(placed) => *counts.by_case.entry(placed.case.name).or_default() += 1,
