@@ -66,12 +66,7 @@ const BUSY_THREADS: f64 = 0.5;
 pub(super) fn run(arguments: &Arguments) -> Outcome {
     let common = &arguments.common;
     let record = Record::begin(common)?;
-    if cfg!(debug_assertions) && !common.is_quick() {
-        tracing::warn!("this program was built with checks (a debug build): it is slower than a release build");
-    }
-    if let Some(load) = load_average().filter(|&load| load > BUSY_THREADS) {
-        tracing::warn!("{load:.1} threads were at work on this machine in the last minute: figures will be noisy");
-    }
+    let load_before = load_average();
     let mut session = Session::new(common);
     let report = match &arguments.benchmark {
         Benchmark::Sort(arguments) => sort::run(arguments, &mut session),
@@ -80,6 +75,12 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         Benchmark::Scaling(arguments) => scaling::run(arguments, &mut session),
         Benchmark::Stages(arguments) => stages::run(arguments, &mut session),
     }?;
+    if cfg!(debug_assertions) && !common.is_quick() {
+        tracing::warn!("this program was built with checks (a debug build): it is slower than a release build");
+    }
+    if let Some(load) = load_before.filter(|&load| load > BUSY_THREADS) {
+        tracing::warn!("{load:.1} threads were at work on this machine in the minute before: the figures are noisy");
+    }
     let text = record.finish(&session, &report)?;
     stdout::write(&text)
 }

@@ -57,7 +57,9 @@ fn sorts_are_compared_beside_the_papers() {
     let line = text.lines().find(|line| line.contains("quicksort (CellFast)") && line.contains("sorted")).unwrap();
     assert!(line.contains("0.01") && line.contains("0.05"), "{line}");
     assert!(text.contains("radix::sort_local (ours)") && !text.contains("par_sort_unstable"), "{text}");
-    assert!(text.contains("| quicksort (CellFast) | 1       | random        | 75 %   | 73 %    |"), "{text}");
+    // What the paper prints itself.
+    let saved = text.lines().rfind(|line| line.contains("quicksort (CellFast)") && line.contains("random")).unwrap();
+    assert!(saved.contains("75 %") && saved.contains("73 %"), "{saved}");
 }
 
 #[test]
@@ -186,7 +188,7 @@ fn commits_come_from_the_environment_and_what_does_not_fit_is_said() {
         assert_eq!(found["commit"], "abc123");
     }
     assert!(ran.err.contains("warning: left out: sorting 100,000 keys") && ran.err.contains("--time"), "{}", ran.err);
-    assert!(found["left_out"][0].as_str().unwrap().contains("100,000 keys"), "{found}");
+    assert!(found["left_out"][1].as_str().unwrap().contains("100,000 keys"), "{found}");
 }
 
 #[test]
