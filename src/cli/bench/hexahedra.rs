@@ -30,7 +30,7 @@ pub(super) struct Arguments {
     /// Meshes with hexahedra instead of the generated ones.
     #[arg(value_name = "MESH")]
     meshes: Vec<PathBuf>,
-    /// The largest mesh to generate; there are two [default: 1000000].
+    /// A mesh to generate beside the paper's two, or instead of the larger one where it is smaller [default: none].
     #[arg(long, value_name = "N", conflicts_with = "meshes", value_parser = clap::value_parser!(u32).range(300..))]
     max_cells: Option<u32>,
     /// Size of the picture [default: 512x512].
@@ -74,7 +74,7 @@ struct Row {
 
 pub(super) fn run(arguments: &Arguments, session: &mut Session) -> Outcome<Report> {
     let size_px = arguments.size.unwrap_or(if session.is_quick { [160, 160] } else { [512, 512] });
-    let max_cells = arguments.max_cells.unwrap_or(if session.is_quick { 4000 } else { 1_000_000 });
+    let max_cells = arguments.max_cells.unwrap_or(if session.is_quick { 4000 } else { PAPER_CELLS as u32 });
     let subjects = if arguments.meshes.is_empty() {
         subjects::generated(max_cells.into(), session)?
     } else {

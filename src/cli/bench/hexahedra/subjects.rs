@@ -103,7 +103,9 @@ pub(super) fn measure(mesh: HexMesh, size_px: [u32; 2], session: &Session) -> Ou
     let footprints = RenderOptions { model, ..RenderOptions::default() };
     let fans =
         RenderOptions { cpu_method: CpuMethod::Fans, faces: Faces::Fan, sort: SortMethod::Topological, ..footprints };
-    let draw = |options| {
+    let draw = |options: RenderOptions| {
+        // Fans on the processor are the slow twin: seconds a frame.
+        let usual = if options.cpu_method == CpuMethod::Fans && counts.cells > 10_000 { 5 } else { usual };
         let shots = Shots { scene: &scene, name: &name, size_px, options, runs: session.runs(usual) };
         shots.draw(session, &mut Renderer::new(options))
     };
