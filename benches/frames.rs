@@ -109,7 +109,7 @@ fn hexahedra(criterion: &mut Criterion) {
     let options = RenderOptions { sort: SortMethod::Centroid, ..RenderOptions::default() };
     let mut group = criterion.benchmark_group("frame/hexahedra");
     group.sample_size(10);
-    group.throughput(Throughput::Elements(cells));
+    group.throughput(Throughput::ElementsAndBytes { elements: cells, bytes: 32 * cells });
     for (backend, make) in backends() {
         let pictures = scenes.each_ref().map(|(cells, scene)| {
             let mut renderer = make(options);
@@ -138,7 +138,9 @@ fn bands(criterion: &mut Criterion) {
     let (n, side_px) = if std::env::var_os("CELLFAN_BENCH_LARGE").is_some() { (100, 1024) } else { (32, 256) };
     let mut group = criterion.benchmark_group("frame/bands");
     group.sample_size(10);
-    group.throughput(Throughput::Elements(u64::from(n).pow(3)));
+    let cells = u64::from(n).pow(3);
+    // Eight corners and four extinctions.
+    group.throughput(Throughput::ElementsAndBytes { elements: cells, bytes: (32 + 16) * cells });
     let split = curvilinear(n, 4).into_dataset().expect("it is valid");
     let whole = curvilinear(n, 4).into_whole_dataset().expect("it is valid");
     for (cells, dataset) in [("whole", whole), ("split", split)] {
