@@ -105,9 +105,9 @@ impl Recorder {
 
     /// The layer that it sees spans through.
     pub fn layer<S: Subscriber + for<'a> LookupSpan<'a>>(&self) -> impl Layer<S> + use<S> {
-        let is_ours = |metadata: &tracing::Metadata<'_>| match metadata.is_span() {
-            true => metadata.target() == "cellfan" || metadata.target().starts_with("cellfan::"),
-            false => metadata.target() == GPU_PASS,
+        let is_ours = |metadata: &tracing::Metadata<'_>| {
+            let target = metadata.target();
+            if metadata.is_span() { target == "cellfan" || target.starts_with("cellfan::") } else { target == GPU_PASS }
         };
         SpanLayer(self.clone()).with_filter(filter_fn(is_ours).with_max_level_hint(LevelFilter::TRACE))
     }

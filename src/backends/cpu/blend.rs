@@ -6,7 +6,6 @@
 //! contribution of all is `front over behind`, and becomes `front over late over behind` ([`Optics::slipped_in`]).
 #![expect(
     clippy::inline_always,
-    clippy::needless_range_loop,
     reason = "kernels must inline into the function compiled for wider vectors, and their loops over lanes become vector code"
 )]
 

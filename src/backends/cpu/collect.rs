@@ -1,7 +1,6 @@
 //! Collecting the fragments of some blocks, to composite each pixel's in the order of their depths.
 #![expect(
     clippy::inline_always,
-    clippy::needless_range_loop,
     reason = "kernels must inline into the function compiled for wider vectors, and their loops over lanes become vector code"
 )]
 

@@ -5,7 +5,6 @@
 //! and shades them; a third spreads them over the lanes of their blocks again. No branch waits for what was just computed.
 #![expect(
     clippy::inline_always,
-    clippy::needless_range_loop,
     reason = "kernels must inline into the function compiled for wider vectors, and their loops over lanes become vector code"
 )]
 

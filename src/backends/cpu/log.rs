@@ -46,15 +46,14 @@ pub(super) struct Log {
 
 impl Default for Log {
     fn default() -> Self {
-        let numbers = || Box::new([0.0; ROOM]);
         Self {
             first: 0,
             next: 0,
             lap: 0,
             lap_end: 0,
-            v_enter: numbers(),
-            contribution: [(); 4].map(|()| numbers()),
-            before: Box::new([NOTHING; ROOM]),
+            v_enter: bytemuck::zeroed_box(),
+            contribution: [(); 4].map(|()| bytemuck::zeroed_box()),
+            before: bytemuck::zeroed_box(),
         }
     }
 }
@@ -115,10 +114,7 @@ impl Log {
         let before = compress.compress(lanes, &bytemuck::cast(*last));
         self.before[place..place + LANES].copy_from_slice(&bytemuck::cast::<Lanes, Mask>(before));
         let first = self.lap << PLACE_BITS | place as u32;
-        let mut numbers = [0; LANES];
-        for i in 0..LANES {
-            numbers[i] = first + i as u32;
-        }
+        let numbers: Mask = std::array::from_fn(|i| first + i as u32);
         let numbers: Mask = bytemuck::cast(compress.expand(lanes, &bytemuck::cast(numbers), 0.0));
         for i in 0..LANES {
             last[i] = (numbers[i] & is_hit[i]) | (last[i] & !is_hit[i]);
