@@ -47,7 +47,7 @@ impl Report {
             ("cells", self.cells_a_pixel()),
             ("outliers", self.outliers()),
             ("first", self.first_frame()),
-            ("views", self.views_differ()),
+            ("drift", self.changes_slowly()),
             ("other", self.unaccounted()),
             ("threads", self.idle_cores()),
             ("memory", self.memory()),
@@ -201,8 +201,8 @@ impl Report {
         ))
     }
 
-    /// How much the view matters, outliers aside.
-    fn views_differ(&self) -> Option<String> {
+    /// How much frame times change in the long run, outliers aside: what changes them cannot be told from one run.
+    fn changes_slowly(&self) -> Option<String> {
         let times: Vec<f64> = self.frames.iter().map(|frame| frame.ms).collect();
         if times.len() <= 2 * NEIGHBOURS {
             return None;
@@ -211,10 +211,15 @@ impl Report {
         let at = |i: usize| (i, smooth[i]);
         let (least, low) = (0..smooth.len()).map(at).min_by(|a, b| a.1.total_cmp(&b.1))?;
         let (most, high) = (0..smooth.len()).map(at).max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let why = match self.views.orbit_degrees {
+            0.0 => "the view is the same, so something else took the machine's time, or it slowed down",
+            _ => {
+                "by the view, or by what else the machine did meanwhile; a second run of the same views tells (--compare)"
+            }
+        };
         (high > 1.25 * low).then(|| {
             format!(
-                "views differ: {low:.2} ms around frame {least}, {high:.2} ms around frame {most} (medians of {} frames); so percentiles are those \
-                 of views, not of noise alone",
+                "frames change slowly: {low:.2} ms around frame {least}, {high:.2} ms around frame {most} (medians of {}): {why}",
                 2 * NEIGHBOURS + 1
             )
         })

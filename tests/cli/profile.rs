@@ -122,7 +122,7 @@ fn runs_are_compared() {
     place.write("c.json", &doubled.to_string());
     let ran = place.run(["profile", "--compare", "a.json", "c.json"]).succeeds();
     assert!(
-        ran.out.contains("2.000 to 2.000  slower by 100.0 %") && ran.out.contains("same mesh, views"),
+        ran.out.contains("2.000 to 2.000   slower by 100.0 %") && ran.out.contains("same mesh, views"),
         "{}",
         ran.out
     );

@@ -35,7 +35,7 @@ fn steady() -> Vec<FrameRecord> {
 #[test]
 fn steady_frames_have_no_outliers_and_no_slow_first_frame() {
     let report = report(steady());
-    for topic in ["outliers", "first", "views", "other", "gpu", "pixels", "threads", "build"] {
+    for topic in ["outliers", "first", "drift", "other", "gpu", "pixels", "threads", "build"] {
         assert!(!has(&report, topic), "{topic}: {:?}", report.hints());
     }
     assert!(hint(&report, "stage").starts_with(
@@ -100,15 +100,21 @@ fn who_waits_for_whom() {
 }
 
 #[test]
-fn first_frame_views_cells_and_the_rest() {
+fn first_frame_drift_cells_and_the_rest() {
     let mut report = report((0..100).map(|i| frame(i, &[("composite", 10.0 + f64::from(i) / 10.0)], 3.0)).collect());
     report.warm_up = vec![frame(0, &[("adjacency", 50.0), ("composite", 11.0)], 3.0)];
     assert!(
         hint(&report, "first").contains("64.00 ms, 3.6 times")
             && hint(&report, "first").ends_with("50.00 ms of the difference in adjacency")
     );
-    let text = hint(&report, "views");
-    assert!(text.contains("13.20 ms around frame 0, 22.70 ms around frame 99"), "{text}");
+    assert!(hint(&report, "drift").contains("the view is the same"));
+    report.views.orbit_degrees = 360.0;
+    let text = hint(&report, "drift");
+    assert!(
+        text.contains("13.20 ms around frame 0, 22.70 ms around frame 99")
+            && text.contains("by the view, or by what else"),
+        "{text}"
+    );
     assert!(hint(&report, "other").starts_with("17 % of the frame (3.00 ms)"));
     assert!(!has(&report, "cells") && !has(&report, "memory"));
     for frame in &mut report.frames {
