@@ -78,12 +78,12 @@ impl Blend {
         (self.done, self.violations, self.late_blocks) = (0, 0, 0);
     }
 
-    /// Fragments that came after one that lies behind them, and stayed there.
+    /// Fragments that came after one that lies behind them.
     pub(super) fn violations(&self) -> u64 {
         self.violations
     }
 
-    /// One bit for each block with such a fragment.
+    /// One bit for each block with such a fragment that was not put right.
     pub(super) fn late_blocks(&self) -> u64 {
         self.late_blocks
     }
@@ -103,8 +103,8 @@ impl Blend {
             let before = lanes & ((1 << lane) - 1);
             let place = first + before.count_ones() as usize;
             log.mark_late(place);
+            self.violations += 1;
             if !self.blending.is_exact || !self.slip_in::<O>(log, place, block, lane as usize) {
-                self.violations += 1;
                 self.late_blocks |= 1 << block;
             }
         }
