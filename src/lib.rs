@@ -35,7 +35,7 @@
 //! let camera = Camera::framing(&dataset.corners_world(), 35.0, 20.0, 64, 64);
 //! let rendered = Renderer::new(RenderOptions::default()).render(&Scene::new(dataset, field, &transfer), &camera)?;
 //! assert!(rendered.image.pixel(32, 32)[3] > 0.0);
-//! assert_eq!(rendered.order.violations, Some(0));
+//! assert_eq!(rendered.order.exactness, cellfan::profile::Exactness::Exact);
 //! # Ok::<(), cellfan::Error>(())
 //! ```
 
