@@ -224,9 +224,10 @@ impl Display for Comparison {
             writeln!(f, "same mesh, views, machine, program and settings")?;
         }
         let [a, b] = self.frames;
-        match self.is_paired {
-            true => writeln!(f, "{a} frames, compared view by view")?,
-            false => writeln!(f, "{a} and {b} frames of other views, compared by their medians")?,
+        if self.is_paired {
+            writeln!(f, "{a} frames, compared view by view")?;
+        } else {
+            writeln!(f, "{a} and {b} frames of other views, compared by their medians")?;
         }
         let width = self.changes.iter().map(|change| change.name.chars().count()).max().unwrap_or(0).max(5);
         writeln!(f, "\n{:width$} {:>10} {:>10} {:>7}   {:15}", "", "a, ms", "b, ms", "b/a", "interval")?;

@@ -201,13 +201,11 @@ impl Report {
         for frame in &self.frames {
             let mut place = 0;
             for stage in &frame.stages {
-                place = match names.iter().position(|(name, _)| *name == stage.name) {
-                    Some(found) => found + 1,
-                    None => {
-                        names.insert(place, (stage.name.clone(), stage.track));
-                        place + 1
-                    }
-                };
+                let known = names.iter().position(|(name, _)| *name == stage.name);
+                if known.is_none() {
+                    names.insert(place, (stage.name.clone(), stage.track));
+                }
+                place = known.unwrap_or(place) + 1;
             }
         }
         names

@@ -76,8 +76,8 @@ fn block_length(values: &[f64]) -> usize {
     (length.ceil() as usize).clamp(1, (n / 4).max(1))
 }
 
-/// τ = 1 + 2 Σ ρ_k, where ρ_k is how often values k apart lie on the same side of the median, from −1 to 1: what the spread of a
-/// median depends on. Summed until ρ_k is no more than chance would have it, 2/√n.
+/// τ = 1 + 2 Σ ρₖ, where ρₖ is how often values k apart lie on the same side of the median, from −1 to 1: what the spread of a
+/// median depends on. Summed until ρₖ is no more than chance would have it, 2/√n.
 fn correlation_length(values: &[f64]) -> f64 {
     let n = values.len();
     let median = median_in_place(&mut values.to_vec());

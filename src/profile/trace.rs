@@ -1,7 +1,7 @@
 //! A trace: what each thread did when, and the GPU, for [ui.perfetto.dev](https://ui.perfetto.dev) or `chrome://tracing` (feature `trace`).
 //!
 //! In: `tracing` spans of this crate, through a [`Recorder`]'s layer; passes of GPUs, as events at `trace` level with the target
-//! [`GPU_PASS`](super::GPU_PASS). Out: a [`Trace`], whose file is in the Trace Event Format (Duffy, Google, 2016: "Trace Event Format").
+//! [`GPU_PASS`]. Out: a [`Trace`], whose file is in the Trace Event Format (Duffy, Google, 2016: "Trace Event Format").
 //! Where no layer asks for them, a span costs the load of a constant and a branch.
 
 mod file;
@@ -105,9 +105,9 @@ impl Recorder {
 
     /// The layer that it sees spans through.
     pub fn layer<S: Subscriber + for<'a> LookupSpan<'a>>(&self) -> impl Layer<S> + use<S> {
-        let is_ours = |metadata: &tracing::Metadata<'_>| match metadata.is_span() {
-            true => metadata.target() == "cellfan" || metadata.target().starts_with("cellfan::"),
-            false => metadata.target() == GPU_PASS,
+        let is_ours = |metadata: &tracing::Metadata<'_>| {
+            let target = metadata.target();
+            if metadata.is_span() { target == "cellfan" || target.starts_with("cellfan::") } else { target == GPU_PASS }
         };
         SpanLayer(self.clone()).with_filter(filter_fn(is_ours).with_max_level_hint(LevelFilter::TRACE))
     }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde_json::Value;
 
 use super::{CpuMethod, RenderOptions, Rendered, Scene};
+use crate::backends::cpu::InstructionSet;
 use crate::camera::Camera;
 use crate::error::Result;
 use crate::optics::Model;
@@ -105,7 +106,7 @@ impl RenderOptions {
             ("faces", faces.into()),
             ("check_order", self.check_order.into()),
             ("memory", self.memory_bytes.into()),
-            ("instruction_set", self.instruction_set.map(|set| set.name()).into()),
+            ("instruction_set", self.instruction_set.map(InstructionSet::name).into()),
         ];
         all.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
     }

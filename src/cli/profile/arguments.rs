@@ -43,7 +43,7 @@ pub(in crate::cli) struct Arguments {
     /// Draw frame rate and stages over the frames: .png or .svg.
     #[arg(long, value_name = "OUT", help_heading = "Output")]
     pub(super) plot: Option<PathBuf>,
-    /// Write what every thread and the GPU did when, for ui.perfetto.dev or chrome://tracing. The GPU's clock has no common zero with the
+    /// Write what every thread and the GPU did when, for ui.perfetto.dev or the tracing page of Chrome. The GPU's clock has no common zero with the
     /// processor's: its passes are shown as early as their submission allows.
     #[arg(long, value_name = "OUT.json", help_heading = "Output")]
     pub(super) trace: Option<PathBuf>,

@@ -68,7 +68,7 @@ fn threads_and_gpu_have_tracks_of_their_own_in_the_file() {
                 let thread = std::thread::Builder::new().name(format!("worker {i}"));
                 let work = move || {
                     tracing::dispatcher::with_default(dispatch, || {
-                        drop(tracing::trace_span!("chunk", chunk = i).entered())
+                        drop(tracing::trace_span!("chunk", chunk = i).entered());
                     });
                 };
                 thread.spawn_scoped(scope, work).unwrap();
