@@ -94,8 +94,8 @@ fn curvilinear(n: u32, arrays: u32) -> StructuredMesh {
         .expect("the points are as many as the dimensions say")
 }
 
-/// Curvilinear hexahedra as they are and split, on each backend; the same order, and the same picture but for the field
-/// inside a cell, which cell data has not.
+/// Curvilinear hexahedra as they are and split, on each backend: the order that is chosen for each on the processor, one for both on
+/// a GPU; the same picture but for the field inside a cell, which cell data has not.
 fn hexahedra(criterion: &mut Criterion) {
     let (n, side_px) = if std::env::var_os("CELLFAN_BENCH_LARGE").is_some() { (100, 400) } else { (40, 160) };
     let scene = |dataset: Dataset| {
@@ -106,11 +106,12 @@ fn hexahedra(criterion: &mut Criterion) {
     let cells = whole.cells() as u64;
     let views: Vec<_> = (0..32).map(|i| framing(&whole, f64::from(i) * 360.0 / 32.0, side_px)).collect();
     let scenes = [("whole", scene(whole)), ("split", scene(curvilinear(n, 0).into_dataset().expect("it is valid")))];
-    let options = RenderOptions { sort: SortMethod::Centroid, ..RenderOptions::default() };
     let mut group = criterion.benchmark_group("frame/hexahedra");
     group.sample_size(10);
-    group.throughput(Throughput::Elements(cells));
+    group.throughput(Throughput::ElementsAndBytes { elements: cells, bytes: 32 * cells });
     for (backend, make) in backends() {
+        let sort = if backend == "gpu" { SortMethod::Centroid } else { SortMethod::Auto };
+        let options = RenderOptions { sort, ..RenderOptions::default() };
         let pictures = scenes.each_ref().map(|(cells, scene)| {
             let mut renderer = make(options);
             let first = renderer.render(scene, &views[0]).expect("the camera is valid").image;
@@ -138,7 +139,9 @@ fn bands(criterion: &mut Criterion) {
     let (n, side_px) = if std::env::var_os("CELLFAN_BENCH_LARGE").is_some() { (100, 1024) } else { (32, 256) };
     let mut group = criterion.benchmark_group("frame/bands");
     group.sample_size(10);
-    group.throughput(Throughput::Elements(u64::from(n).pow(3)));
+    let cells = u64::from(n).pow(3);
+    // Eight corners and four extinctions.
+    group.throughput(Throughput::ElementsAndBytes { elements: cells, bytes: (32 + 16) * cells });
     let split = curvilinear(n, 4).into_dataset().expect("it is valid");
     let whole = curvilinear(n, 4).into_whole_dataset().expect("it is valid");
     for (cells, dataset) in [("whole", whole), ("split", split)] {

@@ -28,6 +28,22 @@ pub(crate) fn write_atomically<T>(path: &Path, write: impl FnOnce(&mut BufWriter
     Ok(value)
 }
 
+/// Writes `text` to the file `path`, which appears whole or not at all.
+///
+/// ```
+/// # let folder = tempfile::tempdir().unwrap();
+/// let path = folder.path().join("record.json");
+/// cellfan::io::write_text(&path, "{}\n")?;
+/// assert_eq!(std::fs::read_to_string(&path).unwrap(), "{}\n");
+/// # Ok::<(), cellfan::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Io`] where the system refuses.
+pub fn write_text(path: &Path, text: &str) -> Result<()> {
+    write_atomically(path, |writer| io::Write::write_all(writer, text.as_bytes()).map_err(io_at(path)))
+}
+
 /// [`Error::Io`] at `path`, for `map_err`.
 pub(crate) fn io_at(path: &Path) -> impl Fn(io::Error) -> Error {
     move |source| Error::Io { path: path.to_owned(), source }

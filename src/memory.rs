@@ -26,7 +26,7 @@ pub(crate) fn check(what: impl FnOnce() -> String, bytes: Option<u64>) -> Result
 }
 
 /// What can be taken without swapping: of the machine, and of the control group that this process is in.
-fn free_bytes() -> Option<u64> {
+pub(crate) fn free_bytes() -> Option<u64> {
     #[cfg(target_os = "linux")]
     {
         let read = |path: &str| std::fs::read_to_string(path).ok();

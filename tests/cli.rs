@@ -2,6 +2,8 @@
 
 #[path = "cli/bands.rs"]
 mod bands;
+#[path = "cli/bench.rs"]
+mod bench;
 mod common;
 #[path = "cli/container.rs"]
 mod container;

@@ -27,6 +27,7 @@ const WITHIN: &[(&str, &str)] = &[
     ("memory", "error"),
     ("image", "memory"),
     ("profile", "atomic"),
+    ("profile", "memory"),
     ("image", "atomic"),
     ("columns", "cells"),
     ("main", "cli"),

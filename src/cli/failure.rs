@@ -14,6 +14,8 @@ pub(crate) enum Failure {
     Library(Error),
     /// Stdout refused.
     Stdout(io::Error),
+    /// A benchmark's run gave another answer than it must.
+    WrongAnswer(String),
 }
 
 impl Failure {
@@ -23,7 +25,7 @@ impl Failure {
             Self::Arguments(error) => u8::from(error.use_stderr()),
             _ if self.is_closed_pipe() => 0,
             Self::Library(error) if error.is_device() => 2,
-            Self::Library(_) | Self::Stdout(_) => 1,
+            Self::Library(_) | Self::Stdout(_) | Self::WrongAnswer(_) => 1,
         }
     }
 
@@ -38,6 +40,7 @@ impl Failure {
             Self::Arguments(error) => error.print(),
             Self::Library(error) => writeln!(io::stderr(), "error: {error}"),
             Self::Stdout(error) => writeln!(io::stderr(), "error: stdout: {error}"),
+            Self::WrongAnswer(what) => writeln!(io::stderr(), "error: wrong answer: {what}"),
         };
     }
 
@@ -46,7 +49,7 @@ impl Failure {
             Self::Stdout(error) | Self::Library(Error::Io { source: error, .. }) => {
                 error.kind() == ErrorKind::BrokenPipe
             }
-            Self::Arguments(_) | Self::Library(_) => false,
+            Self::Arguments(_) | Self::Library(_) | Self::WrongAnswer(_) => false,
         }
     }
 }
@@ -78,6 +81,7 @@ mod tests {
             (Failure::Stdout(broken()), 0),
             (library(Error::Io { path: "pipe".into(), source: broken() }), 0),
             (Failure::Stdout(ErrorKind::StorageFull.into()), 1),
+            (Failure::WrongAnswer(String::new()), 1),
             (library(Error::NoCells { found: String::new() }), 1),
             (library(Error::NoDevice { problem: String::new() }), 2),
             (library(Error::NoDevice { problem: String::new() }.in_file("a")), 2),

@@ -5,6 +5,7 @@
 //! Exit codes are in [`failure`], log levels in [`messages`], stdout in [`stdout`].
 
 mod arguments;
+mod bench;
 mod completions;
 mod convert;
 mod drivers;
@@ -51,6 +52,8 @@ enum Command {
     Convert(convert::Arguments),
     /// Write a mesh with an analytic field.
     Generate(generate::Arguments),
+    /// Measure sorting, frames and each stage, beside the papers' figures.
+    Bench(bench::Arguments),
     /// Write a completion script for a shell to stdout.
     Completions(completions::Arguments),
 }
@@ -99,6 +102,7 @@ pub(crate) fn run(arguments: impl Iterator<Item = OsString>) -> Outcome {
         Command::Info(arguments) => info::run(arguments),
         Command::Convert(arguments) => convert::run(arguments),
         Command::Generate(arguments) => generate::run(arguments),
+        Command::Bench(arguments) => bench::run(arguments),
         Command::Completions(arguments) => completions::run(arguments),
     })
 }

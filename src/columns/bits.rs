@@ -21,7 +21,12 @@ impl BitColumn {
     /// If `i` is not below the length.
     #[inline]
     pub fn get(&self, i: usize) -> bool {
-        (self.words[i / 64] >> (i % 64)) & 1 != 0
+        self.view().get(i)
+    }
+
+    /// The bits, looked up once: for many reads.
+    pub fn view(&self) -> BitView<'_> {
+        BitView { words: &self.words }
     }
 
     /// How many entries there are.
@@ -37,6 +42,23 @@ impl BitColumn {
     /// Whether there is no entry.
     pub fn is_empty(&self) -> bool {
         self.len == 0
+    }
+}
+
+/// [`BitColumn`] as a slice.
+#[derive(Clone, Copy, Debug)]
+pub struct BitView<'a> {
+    words: &'a [u64],
+}
+
+impl BitView<'_> {
+    /// The bit of entry `i`.
+    ///
+    /// # Panics
+    /// If `i` is far above the length.
+    #[inline]
+    pub fn get(self, i: usize) -> bool {
+        (self.words[i / 64] >> (i % 64)) & 1 != 0
     }
 }
 

@@ -23,7 +23,7 @@ mod tets;
 
 pub use array::{Array, Association, NumericColumn};
 pub use backing::Backing;
-pub use bits::BitColumn;
+pub use bits::{BitColumn, BitView};
 pub(crate) use build::describe;
 pub use build::{CellMesh, Points, StructuredCells, TetMesh};
 pub use canonical::canonical_from_point;

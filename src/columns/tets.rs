@@ -127,10 +127,15 @@ impl<'a> TetsView<'a> {
     /// If there is no such cell.
     #[inline]
     pub fn get(&self, cell: usize) -> [u32; 4] {
-        if self.blocks.is_empty() {
+        let Some(&BlockIds { start, base }) = self.blocks.get(cell / Dataset::BLOCK_CELLS) else {
             return self.wide[cell];
+        };
+        let (first, cell) = (start as usize * BlockIds::UNIT_BYTES, cell % Dataset::BLOCK_CELLS);
+        if base == BlockIds::WIDE {
+            in_range(self.wide[first / 16 + cell], self.last_vertex)
+        } else {
+            from_base(self.narrow[first / 8 + cell], base, self.last_vertex)
         }
-        self.block(cell / Dataset::BLOCK_CELLS, 0).get(cell % Dataset::BLOCK_CELLS)
     }
 
     /// The first `cells` cells of block `block`, or what follows them too.
@@ -154,6 +159,19 @@ impl<'a> TetsView<'a> {
             BlockTets { wide: &[], narrow: &self.narrow[first / 8..], base, last_vertex }
         }
     }
+}
+
+/// The vertices of a cell, the last vertex for any number beyond.
+#[inline]
+fn in_range([a, b, c, d]: [u32; 4], last: u32) -> [u32; 4] {
+    [a.min(last), b.min(last), c.min(last), d.min(last)]
+}
+
+/// The same of a cell whose numbers count from `base`.
+#[inline]
+fn from_base([a, b, c, d]: [u16; 4], base: u32, last: u32) -> [u32; 4] {
+    let of = |v: u16| u32::from(v).saturating_add(base);
+    in_range([of(a), of(b), of(c), of(d)], last)
 }
 
 /// The cells of one block.
@@ -189,13 +207,11 @@ impl<'a> BlockTets<'a> {
     /// If there is no such cell.
     #[inline]
     pub fn get(&self, cell: usize) -> [u32; 4] {
-        let tet = if self.base == BlockIds::WIDE {
-            self.wide[cell]
+        if self.base == BlockIds::WIDE {
+            in_range(self.wide[cell], self.last_vertex)
         } else {
-            let [a, b, c, d] = self.narrow[cell].map(u32::from);
-            [a, b, c, d].map(|v| v.saturating_add(self.base))
-        };
-        tet.map(|v| v.min(self.last_vertex))
+            from_base(self.narrow[cell], self.base, self.last_vertex)
+        }
     }
 
     /// The vertices of every cell, in order.

@@ -34,7 +34,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-pub use crate::atomic::check_target;
+pub use crate::atomic::{check_target, write_text};
 pub use any_mesh::{Mesh, WholeCells};
 pub use collection::{read_pvd, read_vtm};
 pub use mesh::UnstructuredMesh;

@@ -33,6 +33,10 @@ impl Optics for Absorption<'_> {
         [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]]
     }
 
+    fn slipped_in(whole: [f32; 4], _: [f32; 4], fragment: [f32; 4]) -> Option<[f32; 4]> {
+        Some(Self::over(whole, fragment))
+    }
+
     #[inline(always)]
     fn transmittance(_: [f32; 4]) -> f32 {
         1.0

@@ -85,6 +85,10 @@ macro_rules! composite_like_emission_absorption {
             EmissionAbsorption::over(front, back)
         }
 
+        fn slipped_in(whole: [f32; 4], behind: [f32; 4], fragment: [f32; 4]) -> Option<[f32; 4]> {
+            EmissionAbsorption::slipped_in(whole, behind, fragment)
+        }
+
         #[inline(always)]
         fn transmittance(contribution: [f32; 4]) -> f32 {
             EmissionAbsorption::transmittance(contribution)

@@ -5,7 +5,7 @@
 
 use super::attenuation::THIN_LIMIT;
 use super::band_pieces::{BandPiece, GLOWING_BANDS_PER_PASS};
-use super::compositing::{CellSpan, Optics, Piecewise, piecewise};
+use super::compositing::{CellSpan, Optics, Piecewise, light_slipped_in, piecewise};
 use super::integral::{
     SegmentWeights, VERY_THIN_LIMIT, segment_weights, segment_weights_thin, segment_weights_very_thin,
 };
@@ -31,6 +31,14 @@ impl Optics for BandLight<'_> {
     #[inline(always)]
     fn over([a, b, t, u]: [f32; 4], [a_back, b_back, t_back, u_back]: [f32; 4]) -> [f32; 4] {
         [a + t * a_back, b + u * b_back, t * t_back, u * u_back]
+    }
+
+    fn slipped_in(whole: [f32; 4], behind: [f32; 4], fragment: [f32; 4]) -> Option<[f32; 4]> {
+        let of = |c: usize| {
+            light_slipped_in([whole[c], whole[c + 2]], [behind[c], behind[c + 2]], [fragment[c], fragment[c + 2]])
+        };
+        let ([a, t], [b, u]) = (of(0)?, of(1)?);
+        Some([a, b, t, u])
     }
 
     #[inline(always)]

@@ -24,6 +24,9 @@ pub trait Optics: Sync {
     /// The contribution of two parts of a ray.
     fn over(front: [f32; 4], back: [f32; 4]) -> [f32; 4];
 
+    /// What `front over behind` becomes with a `fragment` between the two; none where it cannot be told what `behind` dimmed.
+    fn slipped_in(whole: [f32; 4], behind: [f32; 4], fragment: [f32; 4]) -> Option<[f32; 4]>;
+
     /// How much of what lies behind a contribution still shows; 1 for an order-free model.
     fn transmittance(contribution: [f32; 4]) -> f32;
 
@@ -57,6 +60,18 @@ impl CellSpan {
     pub fn of_cell(self, cell: usize) -> Self {
         Self { cell: Some(cell), ..self }
     }
+}
+
+/// [`Optics::slipped_in`] for light that is dimmed: the light and the transmittance of the whole, of what lies behind, of the fragment.
+///
+/// The front's transmittance is that of the whole over that of what lies behind, and each light behind it is dimmed by it.
+#[inline]
+pub(super) fn light_slipped_in(whole: [f32; 2], behind: [f32; 2], fragment: [f32; 2]) -> Option<[f32; 2]> {
+    /// Below it a transmittance has lost digits.
+    const DARK: f32 = 1e-30;
+    let front = whole[1] / behind[1];
+    let light = whole[0] + front * (fragment[0] - (1.0 - fragment[1]) * behind[0]);
+    (behind[1] > DARK && whole[1] > DARK).then_some([light, whole[1] * fragment[1]])
 }
 
 /// A model whose integral is known where extinction and colour are linear; without extinction nothing shows.
@@ -192,7 +207,12 @@ impl<'a> Ramp<'a> {
 #[inline(always)]
 pub(super) fn at(piece: &Piece, s: f32) -> (f32, [f32; 3]) {
     let t = s - piece.start;
-    let extinction = piece.extinction + t * piece.extinction_slope;
     let (c, d) = (&piece.color, &piece.color_slope);
-    (max(extinction, 0.0), [c[0] + t * d[0], c[1] + t * d[1], c[2] + t * d[2]])
+    (extinction(piece, t), [c[0] + t * d[0], c[1] + t * d[1], c[2] + t * d[2]])
+}
+
+/// Extinction of a piece at value t above its start.
+#[inline(always)]
+pub(super) fn extinction(piece: &Piece, t: f32) -> f32 {
+    max(piece.extinction + t * piece.extinction_slope, 0.0)
 }

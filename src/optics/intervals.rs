@@ -11,6 +11,9 @@ pub struct Intervals {
     knots_before_bucket: Vec<u32>,
 }
 
+/// So many knots are compared faster than looked up.
+const FEW: usize = 4;
+
 impl Intervals {
     pub(super) fn new(knots: Vec<f32>) -> Self {
         debug_assert!(knots.is_sorted_by(|a, b| a < b));
@@ -55,6 +58,9 @@ impl Intervals {
     /// The interval that holds s: the number of knots <= s; 0 for NaN. O(1) where knots are spread evenly, O(log n) at worst.
     #[inline]
     pub fn piece_of(&self, s: f32) -> usize {
+        if self.knots.len() <= FEW {
+            return self.knots.iter().map(|&knot| usize::from(knot <= s)).sum();
+        }
         let bucket = self.bucket(s);
         // Earlier buckets hold only knots below s, later ones only knots above.
         let first = self.knots_before_bucket[bucket] as usize;

@@ -34,6 +34,10 @@ impl Optics for Mip<'_> {
         [max(a[0], b[0]), 0.0, 0.0, 0.0]
     }
 
+    fn slipped_in(whole: [f32; 4], _: [f32; 4], fragment: [f32; 4]) -> Option<[f32; 4]> {
+        Some(Self::over(whole, fragment))
+    }
+
     #[inline(always)]
     fn transmittance(_: [f32; 4]) -> f32 {
         1.0

@@ -233,7 +233,7 @@ impl Report {
 
     fn idle_cores(&self) -> Option<String> {
         let threads = self.settings.get("threads")?.as_u64()?;
-        let cores = self.machine.cores as u64;
+        let cores = self.machine.threads as u64;
         (threads < cores).then(|| format!("{threads} of {cores} cores have a thread (--threads)"))
     }
 

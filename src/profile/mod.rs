@@ -31,6 +31,8 @@ pub use compare::{Change, Comparison, Difference, Ratio};
 pub use distribution::{Distribution, quantile};
 pub use hints::Hint;
 pub use machine::{Machine, Program};
+#[cfg(feature = "cli")]
+pub use machine::{free_memory_bytes, load_average};
 pub use memory::{anonymous_bytes, peak_rss_bytes};
 pub use report::{FrameRecord, MeshRecord, Report, StageRecord, StageSummary, Views};
 pub use stats::{CellStats, Exactness, OrderStats, Stats};

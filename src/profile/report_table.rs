@@ -74,12 +74,8 @@ impl Report {
         let threads = self.setting("threads").map(|threads| format!(", {threads} threads")).unwrap_or_default();
         let commit = self.program.commit.as_ref().map(|commit| format!(" ({commit})")).unwrap_or_default();
         format!(
-            "{}, {} cores{threads}, {} {}; cellfan {}{commit}",
-            self.machine.cpu.as_deref().unwrap_or("unknown processor"),
-            self.machine.cores,
-            self.machine.os,
-            self.machine.arch,
-            self.program.version
+            "{}, {} threads at once{threads}, {} {}; cellfan {}{commit}",
+            self.machine.cpu, self.machine.threads, self.machine.os, self.machine.architecture, self.program.version
         )
     }
 
@@ -130,7 +126,7 @@ mod tests {
         let mut report = Report::default();
         report.mesh.name = "m.vtu".to_owned();
         report.mesh.cells = 1_234_567;
-        report.machine.cores = 2;
+        report.machine.threads = 2;
         report.views.camera = serde_json::json!({"width": 64, "height": 32});
         report.views.orbit_degrees = 360.0;
         report.settings.insert("backend".to_owned(), "gpu".into());

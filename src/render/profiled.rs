@@ -73,7 +73,7 @@ pub fn profile_views(
     }
     Ok(Report {
         program: Program::this(),
-        machine: Machine::this(),
+        machine: Machine::here(),
         views: Views { camera: serde_json::from_str(&camera.to_json()).unwrap_or_default(), orbit_degrees, frames },
         warm_up: warmed_up,
         frames: counted,

@@ -5,12 +5,12 @@
 //! and shades them; a third spreads them over the lanes of their blocks again. No branch waits for what was just computed.
 #![expect(
     clippy::inline_always,
-    clippy::needless_range_loop,
     reason = "kernels must inline into the function compiled for wider vectors, and their loops over lanes become vector code"
 )]
 
 use super::compress::Compress;
 use super::hexahedra::HexHits;
+use super::log::Log;
 use super::planes::CellPlanes;
 use super::sink::{Fragments, Sink};
 use super::steep::SteepCell;
@@ -39,7 +39,7 @@ pub(super) struct Hits {
     pub(super) length_world_per_depth: Box<Packed>,
     pub(super) segments: Box<[Segments; BLOCKS]>,
     contributions: Box<[Contribution; BLOCKS]>,
-    packed_contributions: [Box<Packed>; 4],
+    pub(super) log: Log,
     pub(super) of_hexahedron: HexHits,
 }
 
@@ -57,7 +57,7 @@ impl Default for Hits {
             length_world_per_depth: Box::new(NO_RAYS),
             segments: Box::new([Segments::NONE; BLOCKS]),
             contributions: Box::new([[[0.0; LANES]; 4]; BLOCKS]),
-            packed_contributions: [(); 4].map(|()| Box::new(NO_RAYS)),
+            log: Log::default(),
             of_hexahedron: HexHits::default(),
         }
     }
@@ -207,29 +207,30 @@ impl Hits {
     pub(super) fn shade<O: Optics>(&mut self, optics: &O, span: CellSpan) {
         let vectors = self.rays.div_ceil(LANES);
         optics.contributions(span, &self.segments[..vectors], &mut self.contributions[..vectors]);
+        self.log.begin_cell();
         for (vector, contribution) in self.contributions[..vectors].iter().enumerate() {
-            for c in 0..4 {
-                put(&mut self.packed_contributions[c], vector * LANES, &contribution[c]);
-            }
+            self.log.put(vector * LANES, &get(&self.v_enter, vector * LANES), contribution);
         }
+        self.log.end_cell(self.rays);
     }
 
     /// Gives the fragments to `sink`.
     #[inline(always)]
-    pub(super) fn send<O: Optics, S: Sink<O>>(&self, tile: &TileFrame, compress: impl Compress, sink: &mut S) {
+    pub(super) fn send<O: Optics, S: Sink<O>>(&mut self, tile: &TileFrame, compress: impl Compress, sink: &mut S) {
         for hit in 0..self.blocks {
             let (lanes, first) = (self.lanes[hit], self.first[hit] as usize);
+            let ray = self.log.ray(first);
+            let (v_enter, packed) = self.log.get(ray);
             let mut contribution = [[0.0; LANES]; 4];
             for c in 0..4 {
-                contribution[c] = compress.expand(lanes, &get(&self.packed_contributions[c], first), O::CLEAR[c]);
+                contribution[c] = compress.expand(lanes, &packed[c], O::CLEAR[c]);
             }
-            let v_enter = compress.expand(lanes, &get(&self.v_enter, first), 0.0);
+            let v_enter = compress.expand(lanes, &v_enter, 0.0);
             let block = self.block[hit] as usize % BLOCKS;
             let is_hit = tile.lanes.mask(lanes);
-            sink.accept(
-                compress,
-                &Fragments { block, is_hit: &is_hit, v_enter: &v_enter, contribution: &contribution },
-            );
+            let fragments =
+                Fragments { block, lanes, ray, is_hit: &is_hit, v_enter: &v_enter, contribution: &contribution };
+            sink.accept(compress, &fragments, &mut self.log);
         }
     }
 }

@@ -3,15 +3,17 @@
 //! In: a [`Frame`](super::Frame) and an optical model. Out: an [`Image`](crate::image::Image), [`Counts`](super::Counts),
 //! spans in a [`Profile`](crate::profile::Profile).
 //! `compositor`: `project` → `bins` (per `block` of cells `cull`, `footprints`, `sort` keys; scatter to tiles) → per tile, by a
-//! `worker`: sort, `tile` (cell by cell: its `planes`, its `hits`; `hexahedra`, `crossed`) into a `sink` (blend, or collect and sort per
-//! pixel) or a `sum` → picture.
+//! `worker`: sort, `tile` (cell by cell: its `planes`, its `hits`; `hexahedra`, `crossed`) into a `sink` (`blend`, which
+//! puts late fragments of the `log` where they belong; `collect` and sort per pixel; `sum`) → picture.
 //! Under a memory budget the bins are filled in `bands`, within what `budget` leaves, and blocks collected in `portions`.
 //! To add a way to composite: a sink; an instruction set: its kernels in `dispatch`, how it moves lanes in `compress`.
 
 mod bands;
 mod bins;
+mod blend;
 mod block;
 mod budget;
+mod collect;
 mod compositor;
 mod compress;
 mod crossed;
@@ -20,6 +22,7 @@ mod fans;
 mod grid;
 mod hexahedra;
 mod hits;
+mod log;
 mod planes;
 mod portions;
 mod sink;

@@ -7,8 +7,10 @@
 //! takes depends on all of its rays in the tile, so that blocks on their own would differ in the last bit.
 #![expect(clippy::inline_always, reason = "kernels must inline into the function compiled for wider vectors")]
 
+use super::collect::Collect;
 use super::compress::Compress;
-use super::sink::{Collect, Fragments, Sink};
+use super::log::Log;
+use super::sink::{Fragments, Sink};
 use super::tile::BLOCKS;
 use crate::optics::Optics;
 
@@ -45,11 +47,11 @@ impl<O: Optics> Sink<O> for Portion<'_> {
     }
 
     #[inline(always)]
-    fn accept(&mut self, compress: impl Compress, fragments: &Fragments) {
+    fn accept(&mut self, compress: impl Compress, fragments: &Fragments, log: &mut Log) {
         let hits: u32 = fragments.is_hit.iter().map(|is_hit| is_hit & 1).sum();
         self.counts.fragments_from_block[fragments.block] += hits as usize;
         if self.kept >> fragments.block & 1 == 1 {
-            Sink::<O>::accept(self.collect, compress, fragments);
+            Sink::<O>::accept(self.collect, compress, fragments, log);
         }
     }
 }

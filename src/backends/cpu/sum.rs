@@ -11,6 +11,7 @@
 )]
 
 use super::compress::Compress;
+use super::log::Log;
 use super::sink::{Fragments, Sink};
 use super::tile::BLOCKS;
 use crate::optics::{Contribution, LANES, Optics};
@@ -67,7 +68,7 @@ impl<O: Optics> Sink<O> for Sum {
     }
 
     #[inline(always)]
-    fn accept(&mut self, _: impl Compress, fragments: &Fragments) {
+    fn accept(&mut self, _: impl Compress, fragments: &Fragments, _: &mut Log) {
         let block = fragments.block;
         let recent = &mut self.recent[block];
         for c in 0..4 {
@@ -119,9 +120,15 @@ mod tests {
         for i in 0..100_003 {
             let lanes = depths(i);
             let contribution = [lanes; 4];
-            let fragments =
-                Fragments { block: 9, is_hit: &[u32::MAX; LANES], v_enter: &[1.0; LANES], contribution: &contribution };
-            Sink::<BandDepths>::accept(&mut sum, ByLane, &fragments);
+            let fragments = Fragments {
+                block: 9,
+                lanes: u16::MAX,
+                is_hit: &[u32::MAX; LANES],
+                ray: 0,
+                v_enter: &[1.0; LANES],
+                contribution: &contribution,
+            };
+            Sink::<BandDepths>::accept(&mut sum, ByLane, &fragments, &mut Log::default());
             for lane in 0..LANES {
                 plain[lane] += lanes[lane];
                 exact[lane] += f64::from(lanes[lane]);

@@ -138,9 +138,10 @@ pub(super) fn composite<O: Optics, S: Sink<O>, const PERSPECTIVE: bool>(
     sink: &mut S,
 ) {
     let frame = tile.frame;
-    let (tets, positive) = (frame.dataset.tets.view(), &frame.dataset.positive);
+    let (tets, positive) = (frame.dataset.tets.view(), frame.dataset.positive.view());
     let (hexahedra, first_hexahedron) = (frame.dataset.hexahedra.view(), frame.dataset.tets.len());
     let cell_values = frame.cell_values();
+    hits.log.reset();
     let mut corners = Corners::default();
     let mut batch = Batch::default();
     let mut of_hexahedron = Default::default();

@@ -1,16 +1,17 @@
 //! A worker: what one thread needs to draw tiles, one after the other.
 //!
-//! Where the order must be exact, a tile is drawn once with fragments held back; blocks in which a fragment still came after
-//! one behind it are drawn again, with all their fragments sorted per pixel.
+//! Where the order must be exact, a late fragment is put where it belongs; blocks where that could not be done are drawn again, with
+//! all their fragments sorted per pixel.
 
 use std::time::{Duration, Instant};
 
 use super::bins::Bins;
+use super::blend::{Blend, Blending, OrderSlack};
 use super::budget::Plan;
+use super::collect::Collect;
 use super::dispatch::Kernels;
 use super::hits::Hits;
 use super::portions::{BlockCounts, Portion};
-use super::sink::{Blend, Collect, OrderSlack};
 use super::sum::Sum;
 use super::tile::{PIXELS, TileFrame, place_of};
 use super::tile_source::LentTile;
@@ -20,14 +21,6 @@ use crate::profile::anonymous_bytes;
 use crate::stages::footprints::hexahedra::TRIANGLES;
 use crate::stages::sort::SortKey;
 use crate::stages::sort::radix::{Pair, sort_local};
-
-/// Fragments that each pixel holds back where the order must be exact and the key is `power`, which gets next to nothing
-/// wrong on the meshes it is chosen for.
-const HELD_BY_POWER: usize = 2;
-
-/// The same for other keys. Of 1.36 million cells of a grid jittered by a quarter (1024², sorted by centroids), holding 2, 3, 4
-/// left 13,381, 1,625 and 138 fragments out of order; a block out of order is drawn twice.
-const HELD: usize = 4;
 
 /// Slack of the order check in inverse depth, relative (perspective) or in scene units (parallel rays): some ulp, where
 /// neighbouring cells of 10^8 differ by 1e-3.
@@ -74,9 +67,7 @@ pub(super) struct Worker {
     pixels: Box<[[f32; 4]; PIXELS]>,
     order: Vec<Pair>,
     scratch: Vec<Pair>,
-    blend: Blend<0>,
-    holding_by_power: Blend<HELD_BY_POWER>,
-    holding: Blend<HELD>,
+    blend: Blend,
     collect: Collect,
     sum: Sum,
     hits: Hits,
@@ -89,8 +80,6 @@ impl Default for Worker {
             order: Vec::new(),
             scratch: Vec::new(),
             blend: Blend::default(),
-            holding_by_power: Blend::default(),
-            holding: Blend::default(),
             collect: Collect::default(),
             sum: Sum::default(),
             hits: Hits::default(),
@@ -153,18 +142,12 @@ impl Worker {
             for (pixel, contribution) in out.iter_mut().zip(sum.contributions()) {
                 *pixel = task.optics.pixel(contribution);
             }
-        } else if O::IS_ORDERED && task.frame.is_exact {
-            let late_blocks = if task.frame.keys.key() == SortKey::Power {
-                blend(task, &frame, (&self.order, &mut self.hits), &mut self.holding_by_power, &mut drawn.counts, out)
-            } else {
-                blend(task, &frame, (&self.order, &mut self.hits), &mut self.holding, &mut drawn.counts, out)
-            };
-            if late_blocks != 0 {
+        } else {
+            let late_blocks = self.blend(task, &frame, &mut drawn.counts);
+            if task.frame.is_exact && late_blocks != 0 {
                 drawn.fragments_lacking = self.draw_again(task, &frame, late_blocks);
                 drawn.counts.tiles_redone = 1;
             }
-        } else {
-            blend(task, &frame, (&self.order, &mut self.hits), &mut self.blend, &mut drawn.counts, out);
         }
         drawn.sort_secs = (sorted - start).as_secs_f64();
         drawn.draw_secs = sorted.elapsed().as_secs_f64();
@@ -200,24 +183,21 @@ impl Worker {
         }
         0
     }
-}
 
-/// Blends the tile; one bit for each block in which a fragment came too late.
-fn blend<O: Optics, const HELD: usize>(
-    task: &TileTask<O>,
-    frame: &TileFrame,
-    (order, hits): (&[Pair], &mut Hits),
-    sink: &mut Blend<HELD>,
-    counts: &mut Counts,
-    out: &mut [[f32; 4]; PIXELS],
-) -> u64 {
-    let absolute = if task.frame.view.is_perspective { 0.0 } else { ORDER_SLACK };
-    sink.reset::<O>(task.frame.stop_transmittance, OrderSlack { relative: ORDER_SLACK, absolute });
-    task.kernels.composite(frame, task.optics, order, hits, sink);
-    sink.finish::<O>();
-    for (pixel, contribution) in out.iter_mut().zip(sink.contributions()) {
-        *pixel = task.optics.pixel(contribution);
+    /// Draws the tile; one bit for each block in which a fragment came too late.
+    fn blend<O: Optics>(&mut self, task: &TileTask<O>, frame: &TileFrame, counts: &mut Counts) -> u64 {
+        let Self { order, hits, blend, pixels, .. } = self;
+        let absolute = if task.frame.view.is_perspective { 0.0 } else { ORDER_SLACK };
+        blend.reset::<O>(Blending {
+            is_exact: O::IS_ORDERED && task.frame.is_exact,
+            stop_transmittance: task.frame.stop_transmittance,
+            slack: OrderSlack { relative: ORDER_SLACK, absolute },
+        });
+        task.kernels.composite(frame, task.optics, order, hits, blend);
+        for (pixel, contribution) in pixels.iter_mut().zip(blend.contributions()) {
+            *pixel = task.optics.pixel(contribution);
+        }
+        counts.violations += blend.violations();
+        blend.late_blocks()
     }
-    counts.violations += sink.violations();
-    sink.late_blocks()
 }

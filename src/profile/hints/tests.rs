@@ -125,7 +125,7 @@ fn first_frame_drift_cells_and_the_rest() {
         hint(&report, "cells"),
         "1,500 of 2,000 cells are drawn (75 %), on 6,000 pixels that show something: 0.25 cells a pixel"
     );
-    (report.peak_rss_bytes, report.machine.cores) = (Some(2_000_000), 8);
+    (report.peak_rss_bytes, report.machine.threads) = (Some(2_000_000), 8);
     report.settings.insert("threads".to_owned(), 2.into());
     assert!(hint(&report, "memory").starts_with("the process held at most 2.0 MB"));
     assert!(hint(&report, "threads").starts_with("2 of 8 cores"));

@@ -1,4 +1,4 @@
-//! SVG to PNG, with the typeface `DejaVu` Sans built in.
+//! SVG to PNG, with `DejaVu` Sans built in.
 
 use ::image::codecs::png::PngEncoder;
 use ::image::{ExtendedColorType, ImageEncoder};

@@ -18,7 +18,7 @@ fn report() -> Report {
         frame(2, 20.5, &[("cull", 4), ("composite", 12), ("gpu_draw", 9)]),
     ];
     let mesh = MeshRecord { name: "m".to_owned(), cells: 6000, vertices: 9 };
-    Report { program: Program::this(), machine: Machine::this(), mesh, frames, ..Report::default() }
+    Report { program: Program::this(), machine: Machine::here(), mesh, frames, ..Report::default() }
 }
 
 #[test]

@@ -1,0 +1,89 @@
+//! Collecting the fragments of some blocks, to composite each pixel's in the order of their depths.
+#![expect(
+    clippy::inline_always,
+    reason = "kernels must inline into the function compiled for wider vectors, and their loops over lanes become vector code"
+)]
+
+use super::compress::Compress;
+use super::log::Log;
+use super::sink::{Fragments, Sink};
+use super::tile::PIXELS;
+use crate::optics::{LANES, Optics};
+
+/// A fragment on its own.
+#[derive(Clone, Copy, Debug)]
+struct Fragment {
+    pixel: u16,
+    v_enter: f32,
+    contribution: [f32; 4],
+}
+
+/// Keeps every fragment of some blocks, then composites each pixel's in the order of their depths: right for any disjoint cells.
+#[derive(Default)]
+pub(super) struct Collect {
+    blocks: u64,
+    fragments: Vec<Fragment>,
+    fragment_from_sorted: Vec<u32>,
+}
+
+impl Collect {
+    /// Forgets all fragments and takes those of `blocks`, one bit each.
+    pub(super) fn reset(&mut self, blocks: u64) {
+        self.blocks = blocks;
+        self.fragments.clear();
+    }
+
+    /// Writes the pixels of its blocks to `out`, block by block, lane by lane.
+    pub(super) fn composite<O: Optics>(&mut self, optics: &O, out: &mut [[f32; 4]; PIXELS]) {
+        // Count, scan, write: the fragments of a pixel together, in the order they came.
+        let mut starts = [0_u32; PIXELS + 1];
+        for fragment in &self.fragments {
+            starts[fragment.pixel as usize + 1] += 1;
+        }
+        for pixel in 0..PIXELS {
+            starts[pixel + 1] += starts[pixel];
+        }
+        let mut places = starts;
+        self.fragment_from_sorted.resize(self.fragments.len(), 0);
+        for (i, fragment) in self.fragments.iter().enumerate() {
+            let place = &mut places[fragment.pixel as usize];
+            self.fragment_from_sorted[*place as usize] = i as u32;
+            *place += 1;
+        }
+        let is_mine = |pixel: usize| self.blocks >> (pixel / LANES) & 1 == 1;
+        for (pixel, out) in out.iter_mut().enumerate().filter(|&(pixel, _)| is_mine(pixel)) {
+            let of_pixel = &mut self.fragment_from_sorted[starts[pixel] as usize..starts[pixel + 1] as usize];
+            of_pixel.sort_by(|&a, &b| {
+                let v = |i: u32| self.fragments[i as usize].v_enter;
+                v(b).total_cmp(&v(a))
+            });
+            let fragments = of_pixel.iter().map(|&i| self.fragments[i as usize].contribution);
+            *out = optics.pixel(fragments.fold(O::CLEAR, O::over));
+        }
+    }
+}
+
+impl<O: Optics> Sink<O> for Collect {
+    #[inline(always)]
+    fn is_done(&self, block: usize, _: f32) -> bool {
+        self.blocks >> block & 1 == 0
+    }
+
+    #[inline(always)]
+    fn is_all_done(&self) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn accept(&mut self, _: impl Compress, fragments: &Fragments, _: &mut Log) {
+        for i in 0..LANES {
+            if fragments.is_hit[i] != 0 {
+                self.fragments.push(Fragment {
+                    pixel: (fragments.block * LANES + i) as u16,
+                    v_enter: fragments.v_enter[i],
+                    contribution: std::array::from_fn(|c| fragments.contribution[c][i]),
+                });
+            }
+        }
+    }
+}
