@@ -2,7 +2,7 @@
 //! [`Report`]: what many frames took, one by one, with [hints](Report::hints); [`Comparison`]: what changed between two of them.
 //!
 //! In: durations, bytes and counts from whoever runs the stages. Out: tables for a terminal, JSON and CSV for programs, a
-//! [plot](plot), a [trace](mod@trace) (feature `trace`).
+//! [plot], a [trace](mod@trace) (feature `trace`).
 //! To add a stage: time it under its file's name, it appears in its place. To add a figure: a field in `stats` or `report`.
 
 mod clock;

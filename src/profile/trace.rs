@@ -1,7 +1,7 @@
 //! A trace: what each thread did when, and the GPU, for [ui.perfetto.dev](https://ui.perfetto.dev) or `chrome://tracing` (feature `trace`).
 //!
 //! In: `tracing` spans of this crate, through a [`Recorder`]'s layer; passes of GPUs, as events at `trace` level with the target
-//! [`GPU_PASS`](super::GPU_PASS). Out: a [`Trace`], whose file is in the Trace Event Format (Duffy, Google, 2016: "Trace Event Format").
+//! [`GPU_PASS`]. Out: a [`Trace`], whose file is in the Trace Event Format (Duffy, Google, 2016: "Trace Event Format").
 //! Where no layer asks for them, a span costs the load of a constant and a branch.
 
 mod file;

@@ -106,11 +106,11 @@ mod tests {
     #[test]
     fn values_and_frames_have_their_places() {
         let axis = Axis::new(10.0, [20.0, 120.0]);
-        assert_eq!([0.0, 5.0, 10.0, 99.0].map(|value| axis.y(value)), [120.0, 70.0, 20.0, 20.0]);
+        assert_eq!([0.0, 5.0, 10.0, 99.0].map(|value| Some(axis.y(value))), [120.0, 70.0, 20.0, 20.0].map(Some));
         let frames = Frames { count: 2, columns: [10.0, 30.0] };
         assert_eq!((frames.center(0), frames.center(1)), (15.0, 25.0));
         assert_eq!(frames.steps(&axis, &[5.0, 10.0]), [[10.0, 70.0], [20.0, 70.0], [20.0, 20.0], [30.0, 20.0]]);
         assert_eq!(frames.band(&axis, &[0.0, 0.0], &[5.0, 10.0]).len(), 8);
-        assert_eq!(Axis::new(f64::NAN, [0.0, 1.0]).top, 1.0);
+        assert_eq!(Some(Axis::new(f64::NAN, [0.0, 1.0]).top), Some(1.0));
     }
 }
