@@ -82,8 +82,6 @@ impl Frames {
 
 #[cfg(test)]
 mod tests {
-    #![expect(clippy::float_cmp, reason = "places come out without rounding")]
-
     use super::*;
 
     #[test]
