@@ -20,8 +20,8 @@ use crate::memory;
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Machine {
-    /// The processor's name, as it tells it.
-    pub cpu: String,
+    /// The processor's name, where the system says (only Linux does here).
+    pub cpu: Option<String>,
     /// Physical cores, where the system says (feature `cli`).
     pub cores: Option<usize>,
     /// Threads that run at once.
@@ -42,7 +42,7 @@ impl Machine {
     pub fn here() -> Self {
         let cpu = std::fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| cpu_name(&text));
         let machine = Self {
-            cpu: cpu.unwrap_or_else(|| "unknown processor".to_owned()),
+            cpu,
             cores: None,
             threads: std::thread::available_parallelism().map_or(1, usize::from),
             memory_bytes: None,
@@ -71,11 +71,12 @@ impl Machine {
     ///
     /// ```
     /// # use cellfan::profile::Machine;
-    /// let machine = Machine { cpu: "AMD EPYC(tm) 9B45".into(), ..Machine::here() };
+    /// let machine = Machine { cpu: Some("AMD EPYC(tm) 9B45".into()), ..Machine::here() };
     /// assert_eq!(machine.slug(), "amd-epyc-tm-9b45");
     /// ```
     pub fn slug(&self) -> String {
-        let words = self.cpu.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
+        let cpu = self.cpu.as_deref().unwrap_or("unknown processor");
+        let words = cpu.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
         words.map(str::to_ascii_lowercase).collect::<Vec<_>>().join("-")
     }
 }

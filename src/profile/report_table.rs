@@ -74,8 +74,12 @@ impl Report {
         let threads = self.setting("threads").map(|threads| format!(", {threads} threads")).unwrap_or_default();
         let commit = self.program.commit.as_ref().map(|commit| format!(" ({commit})")).unwrap_or_default();
         format!(
-            "{}, {} threads at once{threads}, {} {}; cellfan {}{commit}",
-            self.machine.cpu, self.machine.threads, self.machine.os, self.machine.architecture, self.program.version
+            "{}, {} cores{threads}, {} {}; cellfan {}{commit}",
+            self.machine.cpu.as_deref().unwrap_or("unknown processor"),
+            self.machine.cores.unwrap_or(self.machine.threads),
+            self.machine.os,
+            self.machine.architecture,
+            self.program.version
         )
     }
 

@@ -77,7 +77,7 @@ fn what_is_not_the_same_is_named() {
     let a = report(1, 20, 1.0, 1.0);
     let mut b = a.clone();
     b.mesh.cells = 1_000_000;
-    b.machine.cpu = "another".to_owned();
+    b.machine.cpu = Some("another".to_owned());
     b.settings.insert("sort".to_owned(), "power".into());
     for frame in &mut b.frames {
         frame.stages.retain(|stage| stage.name != "cull");
