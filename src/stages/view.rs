@@ -130,7 +130,7 @@ pub struct PixelProjection {
 
 impl PixelProjection {
     /// (x, y) in pixels and view depth of `p`; x and y mean nothing where the depth is not positive in perspective.
-    #[inline]
+    #[inline(always)]
     pub fn project(&self, p: Vec3) -> Vec3 {
         let v = p - self.eye;
         let w = v.dot(self.forward);

@@ -125,7 +125,7 @@ impl Bins {
                 chunk.filled.counts += cells.project(projector, &block);
                 cells.keep_rows(&rows);
                 let large = &mut chunk.large;
-                cells.for_each(projector, &block, |pair, tiles| {
+                cells.for_each(&block, |pair, tiles| {
                     if tiles.len() > MANY_TILES {
                         large.push(LargeCell { pair, tiles });
                         return;

@@ -181,7 +181,7 @@ impl Chunk {
         let Self { binned, tiles_from_binned, large, places, filled, .. } = self;
         let block = projector.frame.dataset.block(block);
         filled.counts += cells.project(projector, &block);
-        cells.for_each(projector, &block, |pair, tiles| {
+        cells.for_each(&block, |pair, tiles| {
             if tiles.len() > MANY_TILES {
                 large.push(LargeCell { pair, tiles });
                 return;

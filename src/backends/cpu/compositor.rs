@@ -69,7 +69,8 @@ impl TileCompositor {
         profile: &mut Profile,
     ) -> Counts {
         let start = Instant::now();
-        let filled = self.bins.fill(&Projector::new(frame, &self.screen));
+        let kernels = Kernels::new(self.instruction_set);
+        let filled = self.bins.fill(&Projector::new(frame, &self.screen, kernels));
         add_filling(profile, start.elapsed(), &filled, self.bins.pairs.len() as u64);
         self.workers.resize_with(threads, Worker::default);
         let mut counts = filled.counts;
@@ -87,7 +88,8 @@ impl TileCompositor {
         profile: &mut Profile,
     ) -> Result<Counts> {
         let start = Instant::now();
-        let census = self.bins.census(&Projector::new(frame, &self.screen));
+        let kernels = Kernels::new(self.instruction_set);
+        let census = self.bins.census(&Projector::new(frame, &self.screen, kernels));
         add_filling(profile, start.elapsed(), &census.filled, 0);
 
         let mut counts = census.filled.counts;
@@ -97,7 +99,7 @@ impl TileCompositor {
             self.workers.resize_with(plan.workers, Worker::default);
             let start = Instant::now();
             let rows = census.band(row, &plan);
-            let filled = self.bins.fill_band(&Projector::new(frame, &self.screen), &census, rows);
+            let filled = self.bins.fill_band(&Projector::new(frame, &self.screen, kernels), &census, rows);
             add_filling(profile, start.elapsed(), &filled, self.bins.pairs.len() as u64);
             let drawn = self.draw_tiles(frame, optics, (image, Some(&plan)), profile);
             if drawn.fragments_lacking > 0 {

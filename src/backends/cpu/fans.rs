@@ -238,7 +238,8 @@ impl LaneBuffer {
         }
         self.segments.length_world[self.len..].fill(0.0);
         let mut contributions = [[[0.0; LANES]; 4]];
-        optics.contributions(span, &[self.segments], &mut contributions);
+        let longest = self.segments.length_world.iter().copied().fold(0.0, f32::max);
+        optics.contributions(span.within(longest), &[self.segments], &mut contributions);
         let [contribution] = contributions;
         for (i, &pixel) in self.pixels[..self.len].iter().enumerate() {
             let front = std::array::from_fn(|c| contribution[c][i]);

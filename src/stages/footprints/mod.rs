@@ -14,7 +14,9 @@ use std::ops::Range;
 
 use glam::{Vec2, Vec3};
 
+use self::planes::Corners;
 use crate::columns::{BlockCells, BlockView, Bounds};
+use crate::optics::lanes::{LANES, Mask, mask, max, min};
 use crate::stages::{PixelProjection, SceneVertex, ScreenVertex, View};
 
 /// The pixels of a box: columns `x0..x1`, rows `y0..y1` (ends exclusive).
@@ -28,6 +30,27 @@ pub struct PixelBox {
     pub y0: u16,
     /// Row after the last.
     pub y1: u16,
+}
+
+/// The boxes of sixteen cells, one a lane.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BoxLanes {
+    columns: [u32; LANES],
+    rows: [u32; LANES],
+    /// Whether a cell comes before the near plane: its box is not known then.
+    pub crosses_near: Mask,
+    /// Whether it may cover a pixel centre.
+    pub is_seen: Mask,
+}
+
+impl BoxLanes {
+    /// The box in a lane.
+    #[inline]
+    pub fn get(&self, lane: usize) -> PixelBox {
+        let [x0, x1] = [self.columns[lane] as u16, (self.columns[lane] >> 16) as u16];
+        let [y0, y1] = [self.rows[lane] as u16, (self.rows[lane] >> 16) as u16];
+        PixelBox { x0, x1, y0, y1 }
+    }
 }
 
 /// What maps cells to pixel boxes for one view.
@@ -83,6 +106,33 @@ impl PixelBoxes {
             self.around(a.min(b).min(c), a.max(b).max(c))?
         };
         Some((pixels, [nearest.max(self.near), farthest]))
+    }
+
+    /// The same for the sixteen tetrahedra of `corners`, which no compiler needs to be told how to do in lanes.
+    #[inline(always)]
+    pub fn of_lanes(&self, corners: &Corners, found: &mut BoxLanes) {
+        let (width, height) = (self.size_px.x, self.size_px.y);
+        for i in 0..LANES {
+            let (mut low, mut high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
+            let mut nearest = f32::INFINITY;
+            for k in 0..4 {
+                let p = self.projection.project(corners.position(k, i));
+                (low, high) = ([min(low[0], p.x), min(low[1], p.y)], [max(high[0], p.x), max(high[1], p.y)]);
+                nearest = min(nearest, p.z);
+            }
+            // As `around`, by truncation of what is not negative.
+            let first = |low: f32, side: f32| {
+                let edge = min(max(low - self.pad_px, 0.0), side);
+                let whole = edge as i32;
+                whole + i32::from((whole as f32) < edge)
+            };
+            let end = |high: f32, side: f32| min(max(high + self.pad_px + 1.0, 0.0), side) as i32;
+            let [x0, x1] = [first(low[0], width), end(high[0], width)];
+            let [y0, y1] = [first(low[1], height), end(high[1], height)];
+            (found.columns[i], found.rows[i]) = (x0 as u32 | (x1 as u32) << 16, y0 as u32 | (y1 as u32) << 16);
+            found.crosses_near[i] = mask(nearest < self.near);
+            found.is_seen[i] = mask(x0 < x1) & mask(y0 < y1) & mask(nearest <= self.far);
+        }
     }
 
     /// Appends the cells among `cell_from_visible` that may cover a pixel centre, and their boxes.
