@@ -21,7 +21,7 @@ use std::sync::atomic::Ordering;
 use rayon::prelude::*;
 
 use self::settle::{Settler, order_ties};
-use self::spread::{BUCKETS, Counts, Spread, split_by};
+use self::spread::{BUCKETS, Counts, SAMPLE, Spread, split_by};
 use crate::stages::scatter::as_atomic;
 
 /// A key and an index in one word: ordering words orders keys, then indices.
@@ -102,17 +102,15 @@ pub fn sort(pairs: &mut Vec<Pair>, scratch: &mut Vec<Pair>) {
 
 /// The same for slices of one length.
 fn sort_slices(pairs: &mut [Pair], scratch: &mut [Pair]) {
+    let Some(spread) = Spread::over(pairs.iter().step_by(pairs.len().div_ceil(SAMPLE).max(1))) else { return };
     let chunk_len = pairs.len().div_ceil(rayon::current_num_threads() * 4).max(CHUNK);
-    let facts = Facts::of(pairs, chunk_len);
-    let Some(spread) = Spread::over(facts.keys) else {
-        // One key.
-        if !facts.is_in_index_order {
-            order_ties(pairs);
-        }
-        return;
-    };
     // Count per chunk, scan over (bucket, chunk), write.
-    let mut starts: Vec<Counts> = pairs.par_chunks(chunk_len).map(|chunk| spread.count(chunk)).collect();
+    let count = |chunk: &[Pair]| (spread.count(chunk), chunk.is_sorted_by_key(|&pair| index_of(pair)));
+    let (mut starts, are_ordered): (Vec<Counts>, Vec<bool>) = pairs.par_chunks(chunk_len).map(count).unzip();
+    let is_seam_ordered = |at: usize| index_of(pairs[at - 1]) <= index_of(pairs[at]);
+    // Then moves that keep the order of equal keys order them by index.
+    let is_in_index_order =
+        are_ordered.into_iter().all(|is| is) && (chunk_len..pairs.len()).step_by(chunk_len).all(is_seam_ordered);
     let mut start = 0;
     let lens: Vec<usize> = (0..BUCKETS)
         .map(|bucket| {
@@ -137,40 +135,8 @@ fn sort_slices(pairs: &mut [Pair], scratch: &mut [Pair]) {
     let buckets: Vec<(&mut [Pair], &mut [Pair])> = buckets.collect();
     buckets.into_par_iter().enumerate().for_each_init(Settler::default, |settler, (bucket, (from, out))| {
         settler.settle(&[from], out, spread.keys_of(bucket));
-        if !facts.is_in_index_order {
+        if !is_in_index_order {
             order_ties(out);
         }
     });
-}
-
-/// What one reading of the pairs tells.
-struct Facts {
-    /// The smallest key and the largest.
-    keys: (u32, u32),
-    /// Whether they stand by their indices, so that moves that keep the order of equal keys order them by index.
-    is_in_index_order: bool,
-}
-
-impl Facts {
-    fn of(pairs: &[Pair], chunk_len: usize) -> Self {
-        let of_chunk = |chunk: &[Pair]| {
-            let (mut low, mut high, mut is_ascending, mut last) = (u32::MAX, 0, true, 0);
-            for &pair in chunk {
-                low = low.min(key_of(pair));
-                high = high.max(key_of(pair));
-                is_ascending &= last <= index_of(pair);
-                last = index_of(pair);
-            }
-            Self { keys: (low, high), is_in_index_order: is_ascending }
-        };
-        let both = |a: Self, b: Self| Self {
-            keys: (a.keys.0.min(b.keys.0), a.keys.1.max(b.keys.1)),
-            is_in_index_order: a.is_in_index_order && b.is_in_index_order,
-        };
-        let none = || Self { keys: (u32::MAX, 0), is_in_index_order: true };
-        let facts = pairs.par_chunks(chunk_len).map(of_chunk).reduce(none, both);
-        let is_seam_ascending = |at: usize| index_of(pairs[at - 1]) <= index_of(pairs[at]);
-        let are_seams_ascending = (chunk_len..pairs.len()).step_by(chunk_len).all(is_seam_ascending);
-        Self { is_in_index_order: facts.is_in_index_order && are_seams_ascending, ..facts }
-    }
 }

@@ -97,7 +97,7 @@ fn of_mesh(subject: &Subject, key: SortKey, session: &Session) -> Outcome<Vec<Ro
     for degrees in STEPS {
         let before = pairs(dataset, &vertices, key, degrees)?;
         // A typical depth moves by this share of the range of depths; more is no step.
-        let moved = (degrees < 10.0).then(|| degrees.to_radians() * 0.8);
+        let moved = (degrees < 10.0).then(|| degrees.to_radians() * 0.6);
         let mut memory = (FrameSort::default(), Vec::new());
         let last = |(frames, sorted): &mut (FrameSort, Vec<Pair>)| {
             fill(frames, &before, None);

@@ -12,7 +12,7 @@
 use rayon::prelude::*;
 
 use super::settle::{Settler, order_ties};
-use super::spread::{BUCKETS, Spread, split_by};
+use super::spread::{BUCKETS, SAMPLE, Spread, split_by};
 use super::{CHUNK, Pair};
 
 pub use super::part::Part;
@@ -68,15 +68,14 @@ impl FrameSort {
             self.parts.par_iter_mut().for_each(Part::close);
         } else {
             self.parts.par_iter_mut().for_each(Part::take_back);
-            let join = |a: (u32, u32), b: (u32, u32)| (a.0.min(b.0), a.1.max(b.1));
-            let keys = self.parts.par_iter().map(Part::keys_of_rest).reduce(|| (u32::MAX, 0), join);
-            self.spread = if n < 2 * CHUNK { None } else { Spread::over(keys) };
+            let sample = self.parts.iter().flat_map(Part::rest).step_by(n.div_ceil(SAMPLE).max(1));
+            self.spread = if n < 2 * CHUNK { None } else { Spread::over(sample) };
             if let Some(spread) = self.spread {
                 self.parts.par_iter_mut().for_each(|part| part.spread_all(spread));
             }
         }
         let Some(spread) = self.spread else {
-            // Few, or one key.
+            // Few, or none.
             self.finish_unsorted(pairs);
             super::sort(pairs, &mut self.scratch);
             return;
@@ -84,10 +83,9 @@ impl FrameSort {
         pairs.resize(n, 0);
         let lens = (0..BUCKETS).map(|bucket| self.parts.iter().map(|part| part.counts()[bucket] as usize).sum());
         split_by(pairs, lens).into_par_iter().enumerate().for_each_init(Settler::default, |settler, (bucket, out)| {
-            let runs: Vec<&[Pair]> = self.parts.iter().flat_map(|part| part.runs(bucket)).collect();
-            // Beyond the ends of what was foreseen may lie any key.
-            let is_end = was_foreseen && (bucket == 0 || bucket == BUCKETS - 1);
-            settler.settle(&runs, out, if is_end { (0, u32::BITS) } else { spread.keys_of(bucket) });
+            let runs = self.parts.iter().flat_map(|part| part.runs(bucket));
+            let runs: Vec<&[Pair]> = runs.filter(|run| !run.is_empty()).collect();
+            settler.settle(&runs, out, spread.keys_of(bucket));
             if !is_in_index_order {
                 order_ties(out);
             }

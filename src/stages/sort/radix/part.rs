@@ -3,8 +3,8 @@
 //! In: pairs in ascending order of index. Out: for each bucket its pairs, still in that order; those for which a bucket had no
 //! room, or all where nothing was foreseen, wait in the order in which they came.
 
+use super::Pair;
 use super::spread::{BUCKETS, Counts, Spread};
-use super::{Pair, key_of};
 
 /// Room in a bucket beyond what is expected: this share, and so many pairs. Chosen, not measured.
 const SPARE: (u64, u64) = (8, 16);
@@ -119,8 +119,8 @@ impl Part {
     pub(super) fn runs(&self, bucket: usize) -> [&[Pair]; 2] {
         let [start, next, _] = self.rooms[bucket];
         let place = |bucket: usize| match self.spread {
-            Some(spread) => self.rest.partition_point(|&pair| spread.bucket(pair) < bucket),
-            None => 0,
+            Some(spread) if !self.rest.is_empty() => self.rest.partition_point(|&pair| spread.bucket(pair) < bucket),
+            _ => 0,
         };
         [&self.held[start as usize..next as usize], &self.rest[place(bucket)..place(bucket + 1)]]
     }
@@ -139,11 +139,6 @@ impl Part {
     pub(super) fn len(&self) -> usize {
         let held: usize = self.rooms.iter().map(|[start, next, _]| (next - start) as usize).sum();
         held + self.rest.len()
-    }
-
-    /// The smallest key without a room and the largest.
-    pub(super) fn keys_of_rest(&self) -> (u32, u32) {
-        self.rest.iter().fold((u32::MAX, 0), |(low, high), &pair| (low.min(key_of(pair)), high.max(key_of(pair))))
     }
 
     fn plan_rooms(&mut self, room: impl Fn(usize) -> u32) {

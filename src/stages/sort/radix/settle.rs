@@ -3,11 +3,13 @@
 //! In: runs of pairs, one after the other, whose keys differ in their low bits. Out: the same pairs by key, equal keys as they
 //! came. Digits from the least, twelve bits at most: after the high bits are gone, one or two do. O(n) moves, each in cache.
 
+use rayon::prelude::*;
+
 use super::{Pair, SMALL, key_of, sort_slices};
 
 /// The largest digit: its counts fit into the first cache beside what is moved.
 const DIGIT_BITS: u32 = 12;
-/// A bucket of more pairs than this, 2 MiB, is spread again: it has left the cache of a thread. Chosen, not measured.
+/// A bucket of more pairs than this, 2 MiB, is spread again, where that narrows its keys: it has left the cache of a thread. Chosen, not measured.
 const LARGE: usize = 1 << 18;
 
 /// Memory for settling; one for each thread.
@@ -32,6 +34,7 @@ impl Settler {
             match (bits, n) {
                 (0, _) => {}
                 (_, ..SMALL) => out.sort_by_key(|&pair| key_of(pair)),
+                (u32::BITS, _) => out.par_sort_unstable(),
                 _ => sort_slices(out, &mut vec![0; n]),
             }
             return;

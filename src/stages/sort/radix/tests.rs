@@ -67,6 +67,30 @@ fn one_key_far_from_all_others_leaves_them_one_bucket_that_is_spread_again() {
 }
 
 #[test]
+fn keys_beyond_the_sampled_range_are_sorted_too() {
+    // One in ten, at both ends, where the sample does not look; then so many that an end is large.
+    for share in [10, 2] {
+        let n = 12 * CHUNK;
+        let step = n.div_ceil(SAMPLE);
+        let mut random = random();
+        let key = |i: usize, random: u32| match (i % step != 0 && i % share == 0, i % 4 < 2) {
+            (true, true) => random % 1000,
+            (true, false) => u32::MAX - random % 1000,
+            (false, _) => (1 << 30) + random % (1 << 20),
+        };
+        let pairs: Vec<Pair> = (0..n).map(|i| pair(key(i, random()), i as u32)).collect();
+        let expected = twin(pairs.clone());
+        let mut sorted = pairs.clone();
+        sort(&mut sorted, &mut Vec::new());
+        assert!(sorted == expected, "1 in {share}");
+        let mut frames = FrameSort::default();
+        for moved in [None, Some(0.01)] {
+            assert!(frame(&mut frames, &pairs, 7, moved) == expected, "1 in {share}, moved {moved:?}");
+        }
+    }
+}
+
+#[test]
 fn the_same_bytes_for_any_number_of_threads() {
     let pairs = shuffled(3 * CHUNK, 0xffff);
     let expected = twin(pairs.clone());
