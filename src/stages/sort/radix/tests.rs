@@ -73,7 +73,7 @@ fn keys_beyond_the_sampled_range_are_sorted_too() {
         let n = 12 * CHUNK;
         let step = n.div_ceil(SAMPLE);
         let mut random = random();
-        let key = |i: usize, random: u32| match (i % step != 0 && i % share == 0, i % 4 < 2) {
+        let key = |i: usize, random: u32| match (!i.is_multiple_of(step) && i.is_multiple_of(share), i % 4 < 2) {
             (true, true) => random % 1000,
             (true, false) => u32::MAX - random % 1000,
             (false, _) => (1 << 30) + random % (1 << 20),
