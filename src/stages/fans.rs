@@ -207,11 +207,13 @@ impl<'a> FanInput<'a> {
         vertex.depth < self.view.near || (self.planes_for != PlanesFor::NoCells && self.is_far_outside(vertex))
     }
 
-    /// Whether a vertex is more than half a picture beyond the edge.
+    /// Whether a vertex is more than half of what is drawn beyond its edge.
     #[inline]
     fn is_far_outside(&self, vertex: &ScreenVertex) -> bool {
-        let [width, height] = self.view.size_px.map(|side| side as f32);
-        (vertex.x_px - 0.5 * width).abs() > width || (vertex.y_px - 0.5 * height).abs() > height
+        let region = self.view.region;
+        let [width, height] = region.size_px().map(|side| side as f32);
+        let [x, y] = [vertex.x_px - region.x0 as f32, vertex.y_px - region.y0 as f32];
+        (x - 0.5 * width).abs() > width || (y - 0.5 * height).abs() > height
     }
 
     /// What there may be among the fans.

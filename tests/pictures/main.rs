@@ -29,6 +29,7 @@ mod parity;
 mod polyhedron;
 mod real;
 mod reference;
+mod region;
 mod several;
 mod topological;
 #[cfg(feature = "gpu")]

@@ -14,6 +14,7 @@ use std::ops::Range;
 
 use glam::{Vec2, Vec3};
 
+use crate::camera::Region;
 use crate::columns::{BlockCells, BlockView, Bounds};
 use crate::stages::{PixelProjection, SceneVertex, ScreenVertex, View};
 
@@ -36,15 +37,26 @@ pub struct PixelBoxes {
     projection: PixelProjection,
     near: f32,
     far: f32,
-    size_px: Vec2,
+    /// Boxes are cut to these columns and rows: from `first_px` to before `end_px`.
+    first_px: Vec2,
+    end_px: Vec2,
     pad_px: f32,
 }
 
 impl PixelBoxes {
-    /// For one view.
+    /// For the whole picture of one view.
     pub fn new(view: &View) -> Self {
-        let size_px = Vec2::from_array(view.size_px.map(|side| side as f32));
-        Self { projection: view.projection(), near: view.near, far: view.far, size_px, pad_px: view.pad_px() }
+        let (projection, pad_px) = (view.projection(), view.pad_px());
+        let whole =
+            Self { projection, near: view.near, far: view.far, first_px: Vec2::ZERO, end_px: Vec2::ZERO, pad_px };
+        whole.within(Region::whole(view.size_px))
+    }
+
+    /// The same boxes, as far as they lie in `region`.
+    #[must_use]
+    pub fn within(self, Region { x0, y0, x1, y1 }: Region) -> Self {
+        let px = |x: u32, y: u32| Vec2::new(x as f32, y as f32);
+        Self { first_px: px(x0, y0), end_px: px(x1, y1), ..self }
     }
 
     /// The pixels whose centres the cell may cover; `None` if there is none.
@@ -113,7 +125,7 @@ impl PixelBoxes {
     }
 
     /// The rows of pixels that cells in `bounds` may touch; `None` where nothing in it can be seen: all before the near plane,
-    /// beyond the far one, or beside the picture.
+    /// beyond the far one, or beside the pixels that boxes are cut to.
     pub fn rows_of_bounds(&self, bounds: Bounds, view: &View) -> Option<Range<u16>> {
         // A block none of whose cells is drawn has an empty box.
         if bounds.min.cmpgt(bounds.max).any() {
@@ -127,18 +139,19 @@ impl PixelBoxes {
         if farthest < self.near || nearest > self.far {
             return None;
         }
-        let whole = 0..self.size_px.y as u16;
-        if nearest < self.near {
-            return Some(whole);
+        let all = self.first_px.y as u16..self.end_px.y as u16;
+        // A vertex and the corners of its block are rounded on their own, by some ulp of their distance. Near the eye that may be
+        // any number of pixels: there any row may be touched.
+        let reach = positions.iter().fold(0.0, |far: f32, &p| far.max(p.distance(view.eye.as_vec3())));
+        if nearest < self.near + 1e-5 * reach || (view.is_perspective && nearest < 1e-3 * reach) {
+            return Some(all);
         }
+        let rounding = 1e-6 * reach * self.projection.px_per_unit() / if view.is_perspective { nearest } else { 1.0 };
+        let margin = Vec2::splat(1.0 + rounding);
         let low = corners.iter().fold(Vec2::INFINITY, |low, corner| low.min(corner.truncate()));
         let high = corners.iter().fold(Vec2::NEG_INFINITY, |high, corner| high.max(corner.truncate()));
-        let rows = self.around(low - Vec2::ONE, high + Vec2::ONE)?;
-        // A vertex and the corners of its block are rounded on their own. That is a small part of a pixel unless the block
-        // comes near to the eye, where a thousandth of its distance shifts a vertex by a pixel: then any row may be touched.
-        let reach = positions.iter().fold(0.0, |far: f32, &p| far.max(p.distance(view.eye.as_vec3())));
-        let is_near = nearest < self.near + 1e-5 * reach || (view.is_perspective && nearest < 1e-3 * reach);
-        Some(if is_near { whole } else { rows.y0.saturating_sub(1)..(rows.y1 + 1).min(whole.end) })
+        let rows = self.around(low - margin, high + margin)?;
+        Some(rows.y0.saturating_sub(1).max(all.start)..(rows.y1 + 1).min(all.end))
     }
 
     /// The box around the part of a cell, or of a face, that lies behind the near plane.
@@ -169,8 +182,8 @@ impl PixelBoxes {
     #[inline]
     fn around(&self, low: Vec2, high: Vec2) -> Option<PixelBox> {
         // Pixel centres are whole numbers: the first at or after the low edge, the last at or before the high one.
-        let first = (low - self.pad_px).ceil().clamp(Vec2::ZERO, self.size_px);
-        let end = ((high + self.pad_px).floor() + 1.0).clamp(Vec2::ZERO, self.size_px);
+        let first = (low - self.pad_px).ceil().clamp(self.first_px, self.end_px);
+        let end = ((high + self.pad_px).floor() + 1.0).clamp(self.first_px, self.end_px);
         (first.x < end.x && first.y < end.y).then_some(PixelBox {
             x0: first.x as u16,
             x1: end.x as u16,
