@@ -11,7 +11,7 @@ use crate::profile::Profile;
 use crate::stages::ScreenVertex;
 use crate::stages::classify::ClassCounts;
 use crate::stages::cull;
-use crate::stages::fans::{self, Faces, FanInput, FanSlot, FanStyle, PlanesFor};
+use crate::stages::fans::{self, FanInput, FanSlot, FanStyle, PlanesFor};
 use crate::stages::footprints::PixelBoxes;
 use crate::stages::project::project;
 use crate::stages::sort::radix::{Pair, index_of, pair, sort_coherent};
@@ -81,10 +81,7 @@ impl DrawOrder {
     /// Fills `pairs` with the cells that can show: in the last frame's order if they are to be sorted, else in memory order.
     fn cull_and_key(&mut self, frame: &Frame, is_ordered: bool, profile: &mut Profile) -> Counts {
         let start = Instant::now();
-        let boxes = PixelBoxes::new(frame.view);
-        // Triangles of a case reach beyond their cell where a face is warped.
-        let are_bounded = frame.faces == Faces::Exact || frame.dataset.hexahedra.is_empty();
-        let boxes = if are_bounded { boxes.within(frame.view.region) } else { boxes };
+        let boxes = PixelBoxes::new(frame.view).within(frame.view.region);
         let screen = &self.screen[..];
         let per_block: Vec<(Vec<Pair>, Counts)> = (0..frame.dataset.blocks.len())
             .into_par_iter()

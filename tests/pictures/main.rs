@@ -18,6 +18,8 @@ mod gpu_bands;
 #[cfg(feature = "gpu")]
 mod gpu_order;
 #[cfg(feature = "gpu")]
+mod gpu_region;
+#[cfg(feature = "gpu")]
 #[path = "../common/gpus.rs"]
 mod gpus;
 mod hexahedra;

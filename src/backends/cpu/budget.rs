@@ -66,7 +66,7 @@ pub(super) fn check(frame: &Frame, budget_bytes: u64, threads: usize) -> Result<
         return Ok(());
     }
     let what = "the frame, before its cells are counted,";
-    Err(Error::Memory { budget_bytes, needed_bytes, what, advice: "a smaller picture" })
+    Err(Error::Memory { budget_bytes, needed_bytes, what, advice: "a smaller picture, or parts of it by --region" })
 }
 
 impl Plan {
@@ -90,7 +90,12 @@ impl Plan {
         let fits = |workers: &u64| worker * workers + smallest <= rest;
         let Some(workers) = (1..=threads as u64).rev().find(fits) else {
             let (needed_bytes, what) = (fixed + worker + smallest, "the frame, in bands of 32 rows of pixels,");
-            return Err(Error::Memory { budget_bytes, needed_bytes, what, advice: "a smaller or narrower picture" });
+            return Err(Error::Memory {
+                budget_bytes,
+                needed_bytes,
+                what,
+                advice: "a smaller or narrower picture, or parts of it by --region",
+            });
         };
         Ok(Self {
             workers: workers as usize,
