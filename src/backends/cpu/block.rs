@@ -6,7 +6,7 @@ use std::ops::Range;
 use std::time::Instant;
 
 use super::dispatch::Kernels;
-use super::grid::{TILE, TileBox};
+use super::grid::{TILE, TileBox, TileGrid};
 use crate::backends::{Counts, Frame};
 use crate::columns::{self, BlockTets, BlockView};
 use crate::optics::LANES;
@@ -28,7 +28,8 @@ pub(super) struct Projector<'a> {
 
 impl<'a> Projector<'a> {
     pub(super) fn new(frame: &'a Frame<'a>, screen: &'a [ScreenVertex], kernels: Kernels) -> Self {
-        Self { frame, screen, boxes: PixelBoxes::new(frame.view), kernels }
+        let region = TileGrid::new(frame.view).pixels(frame.view.size_px);
+        Self { frame, screen, boxes: PixelBoxes::new(frame.view).within(region), kernels }
     }
 
     /// The rows of tiles that block `block` may touch; `None` where none of its cells can show, and then it is counted.
@@ -45,7 +46,7 @@ impl<'a> Projector<'a> {
         let rows = self.boxes.rows_of_bounds(frame.dataset.blocks[block].bounds, frame.view);
         match rows {
             // What is counted cell by cell is drawn cell by cell too.
-            None if has_invalid => Some(0..frame.view.size_px[1].div_ceil(TILE)),
+            None if has_invalid => Some(TileGrid::new(frame.view).rows),
             None => {
                 counts.culled_outside += frame.dataset.cells_drawn_in(block);
                 None

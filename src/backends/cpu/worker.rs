@@ -101,11 +101,11 @@ impl Worker {
         }
         let mut drawn = Drawn::default();
         let mut looked = Instant::now();
-        while let Some((tile, rows)) = next() {
+        while let Some(LentTile { tile, first, rows }) = next() {
             drawn = drawn.sum(self.draw_tile(task, tile));
             for (y, row) in rows.into_iter().enumerate() {
                 for (x, pixel) in row.iter_mut().enumerate() {
-                    *pixel = self.pixels[place_of(x, y)];
+                    *pixel = self.pixels[place_of(first[0] + x, first[1] + y)];
                 }
             }
             if looked.elapsed() > LOOK {
