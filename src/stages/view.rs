@@ -139,6 +139,7 @@ impl PixelProjection {
 
     /// (x, y) in pixels and view depth of `p`; x and y mean nothing where the depth is not positive in perspective.
     #[inline(always)]
+    #[expect(clippy::inline_always, reason = "part of kernels that are compiled for wider vectors")]
     pub fn project(&self, p: Vec3) -> Vec3 {
         let v = p - self.eye;
         let w = v.dot(self.forward);

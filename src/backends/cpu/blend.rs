@@ -6,6 +6,7 @@
 //! contribution of all is `front over behind`, and becomes `front over late over behind` ([`Optics::slipped_in`]).
 #![expect(
     clippy::inline_always,
+    clippy::needless_range_loop,
     reason = "kernels must inline into the function compiled for wider vectors, and their loops over lanes become vector code"
 )]
 
@@ -39,7 +40,7 @@ pub(super) struct Blending {
 }
 
 /// What is known of a block.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, bytemuck::Zeroable)]
 struct Block {
     pixels: Contribution,
     /// Of each pixel the smallest inverse depth of a fragment's entry.
@@ -64,7 +65,7 @@ impl Default for Blend {
         let slack = OrderSlack { relative: 0.0, absolute: 0.0 };
         Self {
             blending: Blending { is_exact: false, stop_transmittance: 0.0, slack },
-            blocks: Box::new([Block { pixels: [[0.0; LANES]; 4], v_farthest: [0.0; LANES], last: NOTHING }; BLOCKS]),
+            blocks: bytemuck::zeroed_box(),
             done: 0,
             v_done: [0.0; BLOCKS],
             violations: 0,
@@ -114,7 +115,7 @@ impl Blend {
             let fragment = log.mark_late(number, lane);
             let pixels = &self.blocks[block].pixels;
             let front = [pixels[0][lane], pixels[1][lane], pixels[2][lane], pixels[3][lane]];
-            let Some(whole) = self.slipped_in::<O>(log, front, &fragment, (number, lane)) else {
+            let Some(whole) = slipped_in::<O>(log, front, &fragment, (number, lane)) else {
                 self.late_blocks |= 1 << block;
                 continue;
             };
@@ -123,29 +124,28 @@ impl Blend {
             }
         }
     }
+}
 
-    /// A pixel with a fragment before those that lie behind it; none where these are not known any more, or too many, or too dark.
-    fn slipped_in<O: Optics>(
-        &self,
-        log: &Log,
-        whole: [f32; 4],
-        fragment: &Earlier,
-        (number, lane): (usize, usize),
-    ) -> Option<[f32; 4]> {
-        let mut behind: ArrayVec<(f32, [f32; 4]), BEHIND> = ArrayVec::new();
-        for earlier in log.before(number, lane) {
-            let earlier = earlier?;
-            if earlier.v_enter < fragment.v_enter {
-                behind.try_push((earlier.v_enter, earlier.contribution)).ok()?;
-            } else if !earlier.is_late {
-                // It lay behind all before it, so these lie before the fragment too.
-                break;
-            }
+/// A pixel with a fragment before those that lie behind it; none where these are not known any more, or too many, or too dark.
+fn slipped_in<O: Optics>(
+    log: &Log,
+    whole: [f32; 4],
+    fragment: &Earlier,
+    (number, lane): (usize, usize),
+) -> Option<[f32; 4]> {
+    let mut behind: ArrayVec<(f32, [f32; 4]), BEHIND> = ArrayVec::new();
+    for earlier in log.before(number, lane) {
+        let earlier = earlier?;
+        if earlier.v_enter < fragment.v_enter {
+            behind.try_push((earlier.v_enter, earlier.contribution)).ok()?;
+        } else if !earlier.is_late {
+            // It lay behind all before it, so these lie before the fragment too.
+            break;
         }
-        behind.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let behind = behind.iter().map(|&(_, contribution)| contribution).fold(O::CLEAR, O::over);
-        O::slipped_in(whole, behind, fragment.contribution)
     }
+    behind.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let behind = behind.iter().map(|&(_, contribution)| contribution).fold(O::CLEAR, O::over);
+    O::slipped_in(whole, behind, fragment.contribution)
 }
 
 impl<O: Optics> Sink<O> for Blend {
@@ -186,8 +186,8 @@ impl<O: Optics> Sink<O> for Blend {
         let mut contribution = *contribution;
         if late != 0 && is_exact {
             // What came late waits.
-            for c in 0..4 {
-                contribution[c] = simd.put(late, O::CLEAR[c], &contribution[c]);
+            for (channel, clear) in contribution.iter_mut().zip(O::CLEAR) {
+                *channel = simd.put(late, clear, channel);
             }
         }
         let front = of_block.pixels;

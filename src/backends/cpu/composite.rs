@@ -4,7 +4,6 @@
 //! Sixteen cells are set up at once, one a lane; the rays that meet them are found and packed, shaded, and sent block by block.
 #![expect(
     clippy::inline_always,
-    clippy::needless_range_loop,
     reason = "kernels must inline into the function compiled for wider vectors, and their loops over lanes become vector code"
 )]
 

@@ -45,14 +45,14 @@ impl<'a> Gather<'a> {
     }
 
     /// Sixteen cells from place `from` on, or as many as there are.
-    #[inline(always)]
+    #[inline]
     fn cells(&self, from: usize) -> &'a [Pair] {
         let order = self.order;
         &order[from.min(order.len())..(from + LANES).min(order.len())]
     }
 
     /// Looks up the vertices of the next cells, and asks for these and for the cells after them.
-    #[inline(always)]
+    #[inline]
     fn look_up(&mut self) {
         for (lane, &pair) in self.cells(self.at).iter().enumerate() {
             let cell = index_of(pair) as usize;

@@ -1,9 +1,8 @@
 //! Asking for memory that is read soon: the cells of a tile lie in the order of their depths, which is any order in memory.
 #![expect(unsafe_code, reason = "the instruction takes an address")]
-#![expect(clippy::inline_always, reason = "a call costs more than the instruction")]
 
 /// Asks for the cache line where `of` begins; nothing happens on processors without such an instruction.
-#[inline(always)]
+#[inline]
 pub(super) fn prefetch<T>(of: &T) {
     #[cfg(target_arch = "x86_64")]
     {

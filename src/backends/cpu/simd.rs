@@ -621,7 +621,7 @@ mod avx512 {
     pub(super) fn select(mask: __m512, a: __m512, b: __m512) -> __m512 {
         // (mask & a) | (!mask & b), as a table of the three bits.
         const CHOOSE: i32 = 0b1100_1010;
-        let [mask, a, b] = [mask, a, b].map(|of| bytemuck::cast::<_, __m512i>(of));
+        let [mask, a, b] = [mask, a, b].map(bytemuck::cast::<_, __m512i>);
         bytemuck::cast(_mm512_ternarylogic_epi32::<CHOOSE>(mask, a, b))
     }
 

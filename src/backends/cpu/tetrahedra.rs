@@ -68,7 +68,7 @@ impl Run {
 /// The rays that meet some tetrahedra; kept between cells and frames.
 pub(super) struct TetHits {
     pub(super) runs: ArrayVec<Run, LANES>,
-    pub(super) segments: Box<[Segments; VECTORS]>,
+    pub(super) segments: Box<[Segments]>,
     /// Blocks to look at: of which cell of the batch, which of the tile; then the first ray found in it.
     listed: usize,
     lane: Box<[u8; LISTED + LANES]>,
@@ -86,7 +86,7 @@ impl Default for TetHits {
     fn default() -> Self {
         Self {
             runs: ArrayVec::new(),
-            segments: Box::new([Segments::NONE; VECTORS]),
+            segments: vec![Segments::NONE; VECTORS].into_boxed_slice(),
             listed: 0,
             lane: Box::new([0; LISTED + LANES]),
             block: Box::new([0; LISTED + LANES]),

@@ -122,6 +122,7 @@ impl PixelBoxes {
 
     /// The same for the sixteen tetrahedra of `corners`, which no compiler needs to be told how to do in lanes.
     #[inline(always)]
+    #[expect(clippy::inline_always, reason = "part of kernels that are compiled for wider vectors")]
     pub fn of_lanes(&self, corners: &Corners, found: &mut BoxLanes) {
         let (first_px, end_px) = (self.first_px.to_array(), self.end_px.to_array());
         for i in 0..LANES {
@@ -138,9 +139,7 @@ impl PixelBoxes {
                 let whole = edge as i32;
                 whole + i32::from((whole as f32) < edge)
             };
-            let end = |high: f32, axis: usize| {
-                min(max(high + self.pad_px + 1.0, first_px[axis]), end_px[axis]) as i32
-            };
+            let end = |high: f32, axis: usize| min(max(high + self.pad_px + 1.0, first_px[axis]), end_px[axis]) as i32;
             let [x0, x1] = [first(low[0], 0), end(high[0], 0)];
             let [y0, y1] = [first(low[1], 1), end(high[1], 1)];
             (found.columns[i], found.rows[i]) = (x0 as u32 | (x1 as u32) << 16, y0 as u32 | (y1 as u32) << 16);

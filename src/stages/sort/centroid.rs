@@ -24,6 +24,7 @@ impl Centroid {
 
     /// Distance of the centroid from the eye, or its depth along parallel rays.
     #[inline(always)]
+    #[expect(clippy::inline_always, reason = "part of kernels that are compiled for wider vectors")]
     pub fn depth<const N: usize>(&self, corners: [Vec3; N]) -> f32 {
         let mut sum = corners[0];
         for &corner in &corners[1..] {

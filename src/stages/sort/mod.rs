@@ -143,17 +143,18 @@ impl<'a> KeyMaker<'a> {
 
     /// The keys of the sixteen tetrahedra of `corners`; what they order by must be a depth.
     #[inline(always)]
+    #[expect(clippy::inline_always, reason = "a kernel that is compiled for wider vectors")]
     pub fn of_lanes(&self, corners: &Corners, key: &mut [u32; LANES]) {
         match self {
             Self::None | Self::Layers(_) => key.fill(0),
             Self::Centroid(centroid) => {
-                for i in 0..LANES {
-                    key[i] = key_of_depth(centroid.depth(corners.positions(i)));
+                for (i, key) in key.iter_mut().enumerate() {
+                    *key = key_of_depth(centroid.depth(corners.positions(i)));
                 }
             }
             Self::Power(power) => {
-                for i in 0..LANES {
-                    key[i] = key_of_depth(power.depth(corners.positions(i)) as f32);
+                for (i, key) in key.iter_mut().enumerate() {
+                    *key = key_of_depth(power.depth(corners.positions(i)) as f32);
                 }
             }
         }
@@ -205,6 +206,7 @@ impl<'a> KeyMaker<'a> {
 /// assert!(key_of_depth(-2.0) < key_of_depth(-1.0) && key_of_depth(-1.0) < key_of_depth(0.5));
 /// ```
 #[inline(always)]
+#[expect(clippy::inline_always, reason = "part of kernels that are compiled for wider vectors")]
 pub fn key_of_depth(depth: f32) -> u32 {
     let bits = depth.to_bits();
     // Positive numbers order as their bits; negative ones the other way round and below them.
