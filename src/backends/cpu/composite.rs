@@ -62,7 +62,7 @@ pub(super) fn composite<O: Optics, S: Sink<O>>(
     let (hexahedra, first_hexahedron) = (dataset.hexahedra.view(), dataset.tets.len());
     let mut gather = Gather::new(tile.frame, order);
     scratch.log.reset();
-    for cells in order.chunks(LANES) {
+    for (nth, cells) in order.chunks(LANES).enumerate() {
         if sink.is_all_done() {
             return;
         }
@@ -79,7 +79,7 @@ pub(super) fn composite<O: Optics, S: Sink<O>>(
             if let Some(hexahedron) = cell_of(lane).checked_sub(first_hexahedron) {
                 let hexahedron = Hexahedron {
                     index: cell_of(lane),
-                    vertex: hexahedra.get(hexahedron),
+                    vertex: gather.hexahedron(hexahedron, nth * LANES + lane),
                     shape: hexahedra.shape(hexahedron),
                     vertices: tile.frame.vertices,
                     constant: tile.frame.cell_values().map(|values| values[cell_of(lane)]),

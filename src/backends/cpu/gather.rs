@@ -1,10 +1,10 @@
-//! Corners of a tile's tetrahedra, sixteen cells at a time.
+//! Corners of a tile's cells: of tetrahedra sixteen at a time, of hexahedra one by one.
 //!
 //! In: the tile's cells in order, which is any order in memory. Out: their corners and values; memory that is needed soon is asked for.
 
 use super::prefetch::prefetch;
 use crate::backends::Frame;
-use crate::columns::{BitView, TetsView};
+use crate::columns::{BitView, HexahedraView, TetsView};
 use crate::optics::LANES;
 use crate::stages::SceneVertex;
 use crate::stages::footprints::planes::Corners;
@@ -25,6 +25,9 @@ pub(super) struct Gather<'a> {
     /// The first of the next sixteen cells, and their vertices.
     at: usize,
     next: [[u32; 4]; LANES],
+    hexahedra: HexahedraView<'a>,
+    /// A hexahedron that was looked up.
+    ahead: (usize, [u32; 8]),
 }
 
 impl<'a> Gather<'a> {
@@ -39,6 +42,8 @@ impl<'a> Gather<'a> {
             values: frame.cell_values(),
             at: 0,
             next: [[0; 4]; LANES],
+            hexahedra: dataset.hexahedra.view(),
+            ahead: (usize::MAX, [0; 8]),
         };
         gather.look_up();
         gather
@@ -89,5 +94,18 @@ impl<'a> Gather<'a> {
         self.at += LANES;
         self.look_up();
         tets
+    }
+
+    /// The vertices of hexahedron `hexahedron`, the cell at place `place`; those of the cell after it are asked for.
+    pub(super) fn hexahedron(&mut self, hexahedron: usize, place: usize) -> [u32; 8] {
+        let vertex = if self.ahead.0 == hexahedron { self.ahead.1 } else { self.hexahedra.get(hexahedron) };
+        let next = self.order.get(place + 1).and_then(|&pair| (index_of(pair) as usize).checked_sub(self.end));
+        if let Some(next) = next {
+            self.ahead = (next, self.hexahedra.get(next));
+            for v in self.ahead.1 {
+                prefetch(&self.vertices[v as usize]);
+            }
+        }
+        vertex
     }
 }

@@ -181,10 +181,16 @@ impl HexahedraView<'_> {
         let is_mirrored = self.shapes[cell].is_mirrored();
         let cell = self.first + cell;
         let corners = if self.blocks.is_empty() {
-            self.listed[cell].map(|vertex| vertex.min(self.last_vertex))
+            let mut corners = self.listed[cell];
+            for vertex in &mut corners {
+                *vertex = (*vertex).min(self.last_vertex);
+            }
+            corners
         } else {
-            let block = self.blocks.partition_point(|block| block.first_cell as usize <= cell) - 1;
-            let block = &self.blocks[block];
+            let block = match self.blocks {
+                [block] => block,
+                blocks => &blocks[blocks.partition_point(|block| block.first_cell as usize <= cell) - 1],
+            };
             block.corners(cell as u32 - block.first_cell)
         };
         if is_mirrored { HexShape::mirrored(corners) } else { corners }

@@ -22,6 +22,17 @@ const OUTSIDE: f64 = 1e-6;
 /// A cell with less than this share of its size cubed has no volume: single precision does not resolve it.
 const FLAT: f64 = 1e-14;
 
+/// The triangles of each face, cut one way and the other.
+static TRIANGLES: [[[[u8; 3]; 2]; 2]; 6] = {
+    let mut triangles = [[[[0; 3]; 2]; 2]; 6];
+    let mut face = 0;
+    while face < 6 {
+        triangles[face] = [face_triangles(face, 0), face_triangles(face, 1)];
+        face += 1;
+    }
+    triangles
+};
+
 impl HexShape {
     /// A cell that is not drawn: hidden, or without volume.
     pub const ABSENT: Self = Self(ABSENT);
@@ -90,7 +101,7 @@ impl HexShape {
     /// The triangles of face `face`: see [`face_triangles`].
     #[inline]
     pub fn triangles(self, face: usize) -> [[u8; 3]; 2] {
-        face_triangles(face, usize::from(self.0 >> face & 1))
+        TRIANGLES[face][usize::from(self.0 >> face & 1)]
     }
 
     /// The volume of the cell with corners at `p`; 0 where it is not drawn.

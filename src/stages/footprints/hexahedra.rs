@@ -17,7 +17,7 @@ use glam::Vec3;
 
 use super::planes::{FaceScalar, TileRays, cross, dot, plane};
 use crate::columns::HexShape;
-use crate::optics::lanes::{LANES, Lanes, Mask, mask, select};
+use crate::optics::lanes::{LANES, Lanes, Mask, mask, max, min, select};
 use crate::stages::SceneVertex;
 
 /// Triangles of a cell: two a face.
@@ -140,8 +140,14 @@ impl HexFootprint {
         vertices: &[SceneVertex],
         constant: Option<f32>,
     ) {
-        let corners = vertex.map(|v| vertices[v as usize]);
-        let extent = rays.extent(&corners.map(|corner| Vec3::from_array(corner.position)));
+        // Written out: closures over arrays are not inlined into kernels.
+        let mut corners = [SceneVertex { position: [0.0; 3], scalar: 0.0 }; 8];
+        let mut positions = [Vec3::ZERO; 8];
+        for (i, &v) in vertex.iter().enumerate() {
+            corners[i] = vertices[v as usize];
+            positions[i] = Vec3::from_array(corners[i].position);
+        }
+        let extent = rays.extent(&positions);
         (self.v_min, self.v_max, self.sides) = (extent.v_min, extent.v_max, extent.sides);
         self.outline = if shape.is_convex() && extent.is_within { Outline::Simple } else { Outline::Crossed };
 
@@ -150,7 +156,7 @@ impl HexFootprint {
         for face in 0..6 {
             for (side, triangle) in shape.triangles(face).into_iter().enumerate() {
                 let lane = 2 * face + side;
-                let [i, k, j] = triangle.map(|corner| usize::from(corner & 7));
+                let (i, k, j) = (triangle[0] as usize & 7, triangle[1] as usize & 7, triangle[2] as usize & 7);
                 p.set(lane, vertex[i], corners[i]);
                 q.set(lane, vertex[k], corners[k]);
                 own.set(lane, vertex[j], corners[j]);
@@ -183,9 +189,11 @@ impl HexFootprint {
         if let Some(value) = constant {
             (self.s_min, self.s_max) = (value, value);
         } else {
-            let s = corners.map(|corner| corner.scalar);
-            self.s_min = s.iter().copied().fold(f32::INFINITY, f32::min);
-            self.s_max = s.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+            (self.s_min, self.s_max) = (corners[0].scalar, corners[0].scalar);
+            for corner in &corners[1..] {
+                self.s_min = min(corner.scalar, self.s_min);
+                self.s_max = max(corner.scalar, self.s_max);
+            }
             for lane in 0..LANES {
                 let corners = [p.position(lane), q.position(lane), own.position(lane)];
                 let FaceScalar { base, slope } =
@@ -231,7 +239,7 @@ impl HexFootprint {
                 (true, true) if is_back(first) == is_back(second) => {
                     let (is_first_positive, side) = side_of(first);
                     let both = if is_first_positive { [second, first] } else { [first, second] };
-                    add(is_back(first), Surface { triangles: both.map(|lane| lane as u8), side });
+                    add(is_back(first), Surface { triangles: [both[0] as u8, both[1] as u8], side });
                 }
                 (true, true) => {
                     if shape.is_concave(face) {

@@ -173,8 +173,8 @@ impl TileRays {
         let end = |high: f32| min(max((high + self.pad_px).floor() + 1.0, 0.0), side) as usize;
         // A cell across the near plane has corners without a picture position.
         let whole = [0, side as usize];
-        let [columns, rows] =
-            [0, 1].map(|axis: usize| if crosses_near { whole } else { [first(low[axis]), end(high[axis])] });
+        let side_of = |axis: usize| if crosses_near { whole } else { [first(low[axis]), end(high[axis])] };
+        let [columns, rows] = [side_of(0), side_of(1)];
         Extent { v_min, v_max, is_within, sides: [columns[0], columns[1], rows[0], rows[1]] }
     }
 
