@@ -55,14 +55,14 @@ impl FanCompositor {
             let start = Instant::now();
             let draw = |number: usize, pixels: &mut [[f32; 4]], lost: &mut [[f32; 4]]| {
                 let _span = tracing::trace_span!("composite", band = number).entered();
-                let mut rows = Rows::new(frame.view, number, pixels, lost);
+                let mut band = Band::new(frame.view, number, pixels, lost);
                 for record in self.fans.chunks(fans_per_record) {
                     if let Some(cell) = HexFan::of_record(record) {
-                        rows.draw_hexahedron(frame, optics, &cell);
+                        band.draw_hexahedron(frame, optics, &cell);
                     } else if let Some(cell) = CaseFan::of_record(record) {
-                        rows.draw_case(frame, optics, &cell);
+                        band.draw_case(frame, optics, &cell);
                     } else {
-                        rows.draw_fan(frame, optics, &record[0]);
+                        band.draw_fan(frame, optics, &record[0]);
                     }
                 }
             };
@@ -96,7 +96,7 @@ fn bands_of(region: Region, pixels: &mut [[f32; 4]]) -> Vec<(usize, &mut [[f32; 
 }
 
 /// A band of rows; pixels hold contributions.
-struct Rows<'a> {
+struct Band<'a> {
     /// What is gone through: squares that the region touches, as far as the picture reaches.
     columns: Range<usize>,
     rows: Range<usize>,
@@ -107,7 +107,7 @@ struct Rows<'a> {
     lost: &'a mut [[f32; 4]],
 }
 
-impl<'a> Rows<'a> {
+impl<'a> Band<'a> {
     fn new(view: &View, number: usize, pixels: &'a mut [[f32; 4]], lost: &'a mut [[f32; 4]]) -> Self {
         let (region, [width, height]) = (view.region, view.size_px.map(|side| side as usize));
         let columns = region.x0 as usize / SQUARE * SQUARE..(region.x1 as usize).next_multiple_of(SQUARE).min(width);
@@ -279,7 +279,7 @@ impl LaneBuffer {
         self.len == LANES
     }
 
-    fn flush<O: Optics>(&mut self, optics: &O, span: CellSpan, rows: &mut Rows) {
+    fn flush<O: Optics>(&mut self, optics: &O, span: CellSpan, band: &mut Band) {
         if self.len == 0 {
             return;
         }
@@ -291,7 +291,7 @@ impl LaneBuffer {
         for (i, place) in self.places[..self.len].iter().enumerate() {
             let front = std::array::from_fn(|c| contribution[c][i]);
             if let Some(pixel) = *place {
-                rows.add::<O>(pixel, front);
+                band.add::<O>(pixel, front);
             }
         }
         self.len = 0;

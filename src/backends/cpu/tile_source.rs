@@ -30,13 +30,6 @@ pub(super) struct TileSource<'a> {
     rows: ArrayVec<&'a mut [Pixel], { TILE as usize }>,
 }
 
-/// Splits the first `at` off `pixels`.
-fn take<'a>(pixels: &mut &'a mut [Pixel], at: usize) -> &'a mut [Pixel] {
-    let (taken, rest) = std::mem::take(pixels).split_at_mut(at);
-    *pixels = rest;
-    taken
-}
-
 impl<'a> TileSource<'a> {
     /// The tiles of `rows`, some rows of those of `grid`, which are lent `pixels`: those of the region in these rows.
     pub(super) fn new(region: Region, grid: &'a TileGrid, rows: &Range<u32>, pixels: &'a mut [Pixel]) -> Self {
@@ -54,10 +47,10 @@ impl<'a> Iterator for TileSource<'a> {
         if x <= self.region.x0 {
             let width = self.region.size_px()[0] as usize;
             let height = (y + TILE).min(self.region.y1) - top;
-            self.rows = (0..height).map(|_| take(&mut self.below, width)).collect();
+            self.rows = (0..height).filter_map(|_| self.below.split_off_mut(..width)).collect();
         }
-        let width = (x + TILE).min(self.region.x1) - left;
-        let rows = self.rows.iter_mut().map(|row| take(row, width as usize)).collect();
+        let width = ((x + TILE).min(self.region.x1) - left) as usize;
+        let rows = self.rows.iter_mut().filter_map(|row| row.split_off_mut(..width)).collect();
         Some(LentTile { tile, first: [(left - x) as usize, (top - y) as usize], rows })
     }
 }
