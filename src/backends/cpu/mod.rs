@@ -19,6 +19,7 @@ mod compress;
 mod crossed;
 mod dispatch;
 mod fans;
+pub(super) mod geometry;
 mod grid;
 mod hexahedra;
 mod hits;
