@@ -10,6 +10,7 @@ use glam::DVec3;
 use super::dispatch::Hexahedron;
 use super::hits::Hits;
 use super::tile::{BLOCK, BLOCKS_A_SIDE, TileFrame, origin_of};
+use crate::backends::Frame;
 use crate::columns::HexShape;
 use crate::optics::LANES;
 use crate::stages::View;
@@ -130,11 +131,12 @@ impl Crossed {
     #[inline(never)]
     pub(super) fn find(
         &mut self,
-        (view, first_px): (&View, [u32; 2]),
+        (frame, first_px): (&Frame, [u32; 2]),
         hexahedron: &Hexahedron<'_>,
         cell: &HexFootprint,
     ) {
         let Hexahedron { vertex, shape, vertices, .. } = *hexahedron;
+        let (view, limits) = (frame.view, frame.limits());
         self.parts.clear();
         self.most = 0;
         let corners = vertex.map(|v| vertices[v as usize]);
@@ -166,6 +168,11 @@ impl Crossed {
                         .get(number)
                         .map_or(f64::from(cell.s_min), |&(gradient, constant)| gradient.dot(point(w)) + constant)
                 };
+                // Opaque geometry ends the ray.
+                let limit = limits.map_or(f64::INFINITY, |limits| {
+                    depth_of(view, limits[row as usize * view.size_px[0] as usize + column as usize])
+                });
+                let far = far.min(limit);
                 let (mut inside, mut nth) = (0_i32, 0);
                 let crossings = skin.crossings(view, position);
                 for two in crossings.windows(2) {
@@ -236,6 +243,15 @@ fn scalars(skin: &Skin, shape: HexShape, p: [DVec3; 8], s: [f64; 8]) -> ArrayVec
     }
     debug_assert_eq!(scalars.len(), skin.triangles.len());
     scalars
+}
+
+/// The depth of an inverse depth; infinite where a ray goes on.
+fn depth_of(view: &View, v: f32) -> f64 {
+    match (v > f32::NEG_INFINITY, view.is_perspective) {
+        (false, _) => f64::INFINITY,
+        (true, true) => 1.0 / f64::from(v),
+        (true, false) => -f64::from(v),
+    }
 }
 
 const _: () = assert!(LANES == BLOCK * BLOCK);

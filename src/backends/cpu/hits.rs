@@ -14,7 +14,7 @@ use super::log::Log;
 use super::planes::CellPlanes;
 use super::sink::{Fragments, Sink};
 use super::steep::SteepCell;
-use super::tile::{BLOCK, BLOCKS, BLOCKS_A_SIDE, LaneGrid, PIXELS, TileFrame, origin_of};
+use super::tile::{BLOCK, BLOCKS, BLOCKS_A_SIDE, PIXELS, TileFrame, origin_of};
 use crate::optics::lanes::{mask, max, min};
 use crate::optics::{CellSpan, Contribution, LANES, Lanes, Optics, Segments};
 
@@ -99,7 +99,12 @@ impl Hits {
                 if sink.is_done(block, cell.v_max) {
                     continue;
                 }
-                let (v_enter, v_leave) = cell.cover::<FRONTS>(origin_of(block));
+                let (v_enter, mut v_leave) = cell.cover::<FRONTS>(origin_of(block));
+                if let Some(limits) = &tile.limits {
+                    for i in 0..LANES {
+                        v_leave[i] = max(v_leave[i], limits[block][i]);
+                    }
+                }
                 let mut is_hit = [0; LANES];
                 for i in 0..LANES {
                     is_hit[i] = mask(v_enter[i] > v_leave[i]);
@@ -187,14 +192,18 @@ impl Hits {
 
     /// Takes the scalar of a steep cell from its faces.
     #[inline(never)]
-    pub(super) fn correct<const PERSPECTIVE: bool>(&mut self, lanes: &LaneGrid, steep: &SteepCell) {
+    pub(super) fn correct<const PERSPECTIVE: bool>(&mut self, tile: &TileFrame, steep: &SteepCell) {
+        let lanes = &tile.lanes;
         let mut ray = 0;
         for hit in 0..self.blocks {
-            let [x, y] = origin_of(self.block[hit] as usize);
+            let block = self.block[hit] as usize % BLOCKS;
+            let [x, y] = origin_of(block);
             for lane in (0..LANES).filter(|lane| self.lanes[hit] >> lane & 1 == 1) {
                 let v = [self.v_enter[ray], self.v_leave[ray]];
                 let segments = &mut self.segments[ray / LANES];
-                let [enter, leave] = steep.values::<PERSPECTIVE>([x + lanes.x[lane], y + lanes.y[lane]], v);
+                let is_cut = tile.limits.as_ref().is_some_and(|limits| v[1] <= limits[block][lane]);
+                let at = [x + lanes.x[lane], y + lanes.y[lane]];
+                let [enter, leave] = steep.values::<PERSPECTIVE>(at, v, is_cut);
                 segments.enter[ray % LANES] = enter.unwrap_or(segments.enter[ray % LANES]);
                 segments.leave[ray % LANES] = leave.unwrap_or(segments.leave[ray % LANES]);
                 ray += 1;

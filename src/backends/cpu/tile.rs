@@ -101,6 +101,8 @@ pub(super) struct TileFrame<'a> {
     pub(super) lanes: LaneGrid,
     /// World length per unit of view depth, per pixel.
     pub(super) length_world_per_depth: [Lanes; BLOCKS],
+    /// Inverse depth at which rays end on opaque geometry, where there is any.
+    pub(super) limits: Option<Box<[Lanes; BLOCKS]>>,
 }
 
 impl<'a> TileFrame<'a> {
@@ -119,12 +121,29 @@ impl<'a> TileFrame<'a> {
             first_px: [x, y],
             lanes: LaneGrid::new(),
             length_world_per_depth,
+            limits: frame.limits().map(|limits| limits_of(limits, view.size_px, [x, y])),
         }
     }
 
     pub(super) fn is_perspective(&self) -> bool {
         self.frame.view.is_perspective
     }
+}
+
+/// The part of a picture's limits that belongs to the tile at `first_px`; beyond the picture there is none.
+fn limits_of(limits: &[f32], [width, height]: [u32; 2], first_px: [u32; 2]) -> Box<[Lanes; BLOCKS]> {
+    let mut of_tile = Box::new([[f32::NEG_INFINITY; LANES]; BLOCKS]);
+    let [first_x, first_y] = first_px.map(|first| first as usize);
+    for (block, lanes) in of_tile.iter_mut().enumerate() {
+        for (lane, limit) in lanes.iter_mut().enumerate() {
+            let [column, row] = pixel_of(block, lane);
+            let (x, y) = (first_x + column, first_y + row);
+            if x < width as usize && y < height as usize {
+                *limit = limits[y * width as usize + x];
+            }
+        }
+    }
+    of_tile
 }
 
 /// Sends the fragments of the cells of `order` to `sink`.
@@ -178,7 +197,7 @@ pub(super) fn composite<O: Optics, S: Sink<O>, const PERSPECTIVE: bool>(
             hits.cut::<PERSPECTIVE>(&cell);
             if batch.is_steep[lane] != 0 {
                 let steep = SteepCell::new(&tile.rays, &batch, &corners, lane);
-                hits.correct::<PERSPECTIVE>(&tile.lanes, &steep);
+                hits.correct::<PERSPECTIVE>(tile, &steep);
             }
             hits.shade(optics, CellSpan::new(frame.intervals(), cell.s_min, cell.s_max).of_cell(index));
             hits.send::<O, S>(tile, compress, sink);
@@ -206,7 +225,7 @@ fn composite_hexahedron<O: Optics, S: Sink<O>>(
         hits.send::<O, S>(tile, kernels, sink);
         return;
     }
-    crossed.find((tile.frame.view, tile.first_px), hexahedron, footprint);
+    crossed.find((tile.frame, tile.first_px), hexahedron, footprint);
     for nth in 0..crossed.most() {
         crossed.put(nth, tile, hits, done);
         hits.shade(optics, span);
