@@ -14,7 +14,6 @@ use crate::image::Image;
 use crate::optics::lanes::two_sum;
 use crate::optics::{CellSpan, LANES, Optics, Segments};
 use crate::profile::Profile;
-use crate::stages::View;
 use crate::stages::fans::{CaseFan, Fan, HexFan, PlanesFor};
 
 /// Fans that are in memory at once.
@@ -110,7 +109,7 @@ impl Rows<'_> {
         let [low, high] = fan.s_range;
         let span = CellSpan::new(frame.intervals(), low, high);
         for triangle in Fan::TRIANGLES {
-            self.draw_triangle(frame.view, optics, (span, fan.s_range), triangle.map(|i| fan.vertex(i)));
+            self.draw_triangle(frame, optics, (span, fan.s_range), triangle.map(|i| fan.vertex(i)));
         }
     }
 
@@ -119,7 +118,7 @@ impl Rows<'_> {
         let span = CellSpan::new(frame.intervals(), low, high);
         for triangle in cell.triangles() {
             let triangle = triangle.map(|vertex| (vertex.position_px, vertex.front, vertex.back));
-            self.draw_triangle(frame.view, optics, (span, cell.s_range), triangle);
+            self.draw_triangle(frame, optics, (span, cell.s_range), triangle);
         }
     }
 
@@ -136,7 +135,7 @@ impl Rows<'_> {
                 // Farthest first, each over what is there.
                 for part in cell.parts(frame.view, at).into_iter().rev() {
                     let pixel = (y - self.first) * self.width + x;
-                    if lanes.push(frame.view, pixel, [x, y], part, [s_min, s_max]) {
+                    if lanes.push(frame, pixel, [x, y], part, [s_min, s_max]) {
                         lanes.flush(optics, span, self);
                     }
                 }
@@ -148,7 +147,7 @@ impl Rows<'_> {
     /// Rasterises one triangle by its edge functions, in f64: exact for vertices in f32 within the picture's precision.
     fn draw_triangle<O: Optics>(
         &mut self,
-        view: &View,
+        frame: &Frame,
         optics: &O,
         cell: (CellSpan, [f32; 2]),
         triangle: [([f32; 2], [f32; 2], [f32; 2]); 3],
@@ -182,10 +181,10 @@ impl Rows<'_> {
                     let mix =
                         |end: usize, k: usize| -> f64 { (0..3).map(|i| weights[i] * f64::from(ends[i][end][k])).sum() };
                     let depth_and_value =
-                        |[v, q]: [f64; 2]| if view.is_perspective { [1.0 / v, q / v] } else { [-v, q] };
+                        |[v, q]: [f64; 2]| if frame.view.is_perspective { [1.0 / v, q / v] } else { [-v, q] };
                     let part = [0, 1].map(|end| depth_and_value([mix(end, 0), mix(end, 1)]));
                     let pixel = (y - self.first) * self.width + x;
-                    if lanes.push(view, pixel, [x, y], part, cell.1) {
+                    if lanes.push(frame, pixel, [x, y], part, cell.1) {
                         lanes.flush(optics, cell.0, self);
                     }
                 }
@@ -213,13 +212,20 @@ impl LaneBuffer {
     /// Adds a fragment, a segment between two depths with their values; true when the buffer is full.
     fn push(
         &mut self,
-        view: &View,
+        frame: &Frame,
         pixel: usize,
         [x, y]: [usize; 2],
         [[w0, s0], [w1, s1]]: [[f64; 2]; 2],
         [s_min, s_max]: [f32; 2],
     ) -> bool {
-        let clip = |w: f64| w.clamp(f64::from(view.near), f64::from(view.far));
+        let view = frame.view;
+        let far = match frame.limits().map(|limits| f64::from(limits[y * view.size_px[0] as usize + x])) {
+            Some(limit) if limit > f64::NEG_INFINITY => {
+                f64::from(view.far).min(if view.is_perspective { 1.0 / limit } else { -limit })
+            }
+            _ => f64::from(view.far),
+        };
+        let clip = |w: f64| w.clamp(far.min(view.near.into()), far);
         let (clipped0, clipped1) = (clip(w0), clip(w1));
         // Where a plane cuts the segment, the value there: linear along the ray.
         let value = |w: f64| if w1 > w0 { s0 + (s1 - s0) * (w - w0) / (w1 - w0) } else { s0 };
