@@ -9,10 +9,9 @@ use glam::DVec3;
 
 use super::dispatch::Hexahedron;
 use super::hits::Hits;
-use super::tile::{BLOCK, BLOCKS_A_SIDE, TileFrame, origin_of};
-use crate::backends::Frame;
+use super::tile::{BLOCK, BLOCKS, BLOCKS_A_SIDE, TileFrame, origin_of, place_of};
 use crate::columns::HexShape;
-use crate::optics::LANES;
+use crate::optics::{LANES, Lanes};
 use crate::stages::View;
 use crate::stages::footprints::hexahedra::{HexFootprint, TRIANGLES};
 
@@ -131,12 +130,11 @@ impl Crossed {
     #[inline(never)]
     pub(super) fn find(
         &mut self,
-        (frame, first_px): (&Frame, [u32; 2]),
+        (view, first_px, limits): (&View, [u32; 2], Option<&[Lanes; BLOCKS]>),
         hexahedron: &Hexahedron<'_>,
         cell: &HexFootprint,
     ) {
         let Hexahedron { vertex, shape, vertices, .. } = *hexahedron;
-        let (view, limits) = (frame.view, frame.limits());
         self.parts.clear();
         self.most = 0;
         let corners = vertex.map(|v| vertices[v as usize]);
@@ -169,9 +167,8 @@ impl Crossed {
                         .map_or(f64::from(cell.s_min), |&(gradient, constant)| gradient.dot(point(w)) + constant)
                 };
                 // Opaque geometry ends the ray.
-                let limit = limits.map_or(f64::INFINITY, |limits| {
-                    depth_of(view, limits[row as usize * view.size_px[0] as usize + column as usize])
-                });
+                let place = place_of(x, y);
+                let limit = limits.map_or(f64::INFINITY, |limits| depth_of(view, limits[place / LANES][place % LANES]));
                 let far = far.min(limit);
                 let (mut inside, mut nth) = (0_i32, 0);
                 let crossings = skin.crossings(view, position);

@@ -14,8 +14,8 @@ use super::hits::Hits;
 use super::planes::CellPlanes;
 use super::sink::Sink;
 use super::steep::SteepCell;
-use crate::backends::Frame;
 use crate::backends::cpu::bins::TILE;
+use crate::backends::{Frame, OpaquePicture};
 use crate::optics::lanes::mask;
 use crate::optics::{CellSpan, LANES, Lanes, Mask, Optics};
 use crate::stages::View;
@@ -121,7 +121,7 @@ impl<'a> TileFrame<'a> {
             first_px: [x, y],
             lanes: LaneGrid::new(),
             length_world_per_depth,
-            limits: frame.limits().map(|limits| limits_of(limits, view.size_px, [x, y])),
+            limits: frame.limits().map(|picture| limits_of(picture, [x, y])),
         }
     }
 
@@ -130,20 +130,17 @@ impl<'a> TileFrame<'a> {
     }
 }
 
-/// The part of a picture's limits that belongs to the tile at `first_px`; beyond the picture there is none.
-fn limits_of(limits: &[f32], [width, height]: [u32; 2], first_px: [u32; 2]) -> Box<[Lanes; BLOCKS]> {
-    let mut of_tile = Box::new([[f32::NEG_INFINITY; LANES]; BLOCKS]);
+/// Where the rays of the tile at `first_px` end.
+fn limits_of(picture: &OpaquePicture, first_px: [u32; 2]) -> Box<[Lanes; BLOCKS]> {
     let [first_x, first_y] = first_px.map(|first| first as usize);
-    for (block, lanes) in of_tile.iter_mut().enumerate() {
+    let mut limits = Box::new([[f32::NEG_INFINITY; LANES]; BLOCKS]);
+    for (block, lanes) in limits.iter_mut().enumerate() {
         for (lane, limit) in lanes.iter_mut().enumerate() {
             let [column, row] = pixel_of(block, lane);
-            let (x, y) = (first_x + column, first_y + row);
-            if x < width as usize && y < height as usize {
-                *limit = limits[y * width as usize + x];
-            }
+            *limit = picture.limit(first_x + column, first_y + row);
         }
     }
-    of_tile
+    limits
 }
 
 /// Sends the fragments of the cells of `order` to `sink`.
@@ -225,7 +222,7 @@ fn composite_hexahedron<O: Optics, S: Sink<O>>(
         hits.send::<O, S>(tile, kernels, sink);
         return;
     }
-    crossed.find((tile.frame, tile.first_px), hexahedron, footprint);
+    crossed.find((tile.frame.view, tile.first_px, tile.limits.as_deref()), hexahedron, footprint);
     for nth in 0..crossed.most() {
         crossed.put(nth, tile, hits, done);
         hits.shade(optics, span);
