@@ -71,9 +71,9 @@ impl<'a> Frame<'a> {
         (self.field.association == Association::Cell).then_some(&self.field.values[..])
     }
 
-    /// Inverse depth at which each ray ends on opaque geometry, row by row; negative infinity where it goes on.
-    pub(crate) fn limits(&self) -> Option<&'a [f32]> {
-        self.opaque.map(|opaque| &opaque.picture(self.view).v[..])
+    /// Opaque geometry as it shows, where there is any: rays end on it.
+    pub(crate) fn limits(&self) -> Option<&'a OpaquePicture> {
+        self.opaque.map(|opaque| opaque.picture(self.view))
     }
 }
 

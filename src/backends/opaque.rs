@@ -2,6 +2,8 @@
 
 use std::sync::OnceLock;
 
+use rayon::prelude::*;
+
 use super::cpu::geometry::rasterise;
 use crate::geometry::{Layer, Primitive};
 use crate::image::Image;
@@ -66,6 +68,13 @@ impl Opaque {
 }
 
 impl OpaquePicture {
+    /// Inverse depth at which the ray of pixel (x, y) ends; negative infinity where it goes on, and outside the picture.
+    #[inline]
+    pub(crate) fn limit(&self, x: usize, y: usize) -> f32 {
+        let [width, height] = self.size_px.map(|side| side as usize);
+        if x < width && y < height { self.v[y * width + x] } else { f32::NEG_INFINITY }
+    }
+
     /// Whether there is something at pixel `i`.
     fn is_covered(&self, i: usize) -> bool {
         self.v[i] > f32::NEG_INFINITY
@@ -74,8 +83,8 @@ impl OpaquePicture {
     /// Puts it behind what `image` shows of the volume in front of it: see
     /// [`GeometryOptions`](crate::geometry::GeometryOptions).
     pub fn put_behind(&self, image: &mut Image, model: Model, output: Output) {
-        let pixels = image.pixels.iter_mut().enumerate().filter(|&(i, _)| self.is_covered(i));
-        for (i, pixel) in pixels {
+        let pixels = image.pixels.par_iter_mut().enumerate().filter(|&(i, _)| self.is_covered(i));
+        pixels.for_each(|(i, pixel)| {
             let ([r, g, b, a], [back_r, back_g, back_b]) = (*pixel, self.color[i]);
             let over = |left: f32| [r + left * back_r, g + left * back_g, b + left * back_b, 1.0];
             *pixel = match (model, output) {
@@ -85,6 +94,6 @@ impl OpaquePicture {
                 (Model::Absorption, Output::Intensity) => [0.0; 4],
                 (Model::Absorption, Output::Depth) => *pixel,
             };
-        }
+        });
     }
 }

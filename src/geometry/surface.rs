@@ -88,7 +88,9 @@ impl Seams {
         by_place.par_sort_unstable();
         let mut is_seam = vec![false; exterior.len()];
         for faces in by_place.chunk_by(|a, b| a.0 == b.0).filter(|faces| faces.len() == 2) {
-            faces.iter().for_each(|&(_, i)| is_seam[i as usize] = true);
+            for &(_, i) in faces {
+                is_seam[i as usize] = true;
+            }
         }
         Self(is_seam)
     }

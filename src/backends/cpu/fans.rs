@@ -219,7 +219,7 @@ impl LaneBuffer {
         [s_min, s_max]: [f32; 2],
     ) -> bool {
         let view = frame.view;
-        let far = match frame.limits().map(|limits| f64::from(limits[y * view.size_px[0] as usize + x])) {
+        let far = match frame.limits().map(|picture| f64::from(picture.limit(x, y))) {
             Some(limit) if limit > f64::NEG_INFINITY => {
                 f64::from(view.far).min(if view.is_perspective { 1.0 / limit } else { -limit })
             }

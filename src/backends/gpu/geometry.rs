@@ -94,10 +94,12 @@ impl GpuGeometry {
         let mut before = std::mem::take(&mut self.sent);
         for layer in opaque.layers() {
             let known = before.iter().position(|sent| Arc::ptr_eq(&sent.list, &layer.list));
-            let sent = known.map(|i| before.swap_remove(i)).unwrap_or_else(|| {
+            let sent = if let Some(i) = known {
+                before.swap_remove(i)
+            } else {
                 sent_bytes += layer.list.bytes();
                 self.send(gpu, &layer.list)
-            });
+            };
             let uniform = GeometryUniform::new(frame, opaque, layer);
             gpu.queue.write_buffer(&sent.uniform, 0, bytemuck::bytes_of(&uniform));
             self.sent.push(sent);

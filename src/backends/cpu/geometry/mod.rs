@@ -50,7 +50,9 @@ pub(in crate::backends) fn rasterise(opaque: &Opaque, view: &View) -> OpaquePict
         let _span = tracing::trace_span!("geometry", band).entered();
         let compared = vec![f32::NEG_INFINITY; v.len()];
         let mut band = Band { first: band * BAND, end: band * BAND + v.len() / width, width, color, v, compared };
-        drawers.iter().for_each(|drawer| drawer.draw(&mut band));
+        for drawer in &drawers {
+            drawer.draw(&mut band);
+        }
     });
     picture
 }

@@ -94,7 +94,7 @@ impl Projector {
         let [width, height] = self.size_px.map(f64::from);
         let (mut start, mut end) = (0.0_f64, 1.0_f64);
         let sides = |p: Projected| {
-            let near = if self.is_perspective { p.depth - self.near } else { 1.0 };
+            let near = p.depth - self.near;
             let (x, y) = (p.xw + margin * p.w, p.yw + margin * p.w);
             [near, x, (width + 2.0 * margin) * p.w - x, y, (height + 2.0 * margin) * p.w - y]
         };
