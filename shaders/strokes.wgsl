@@ -27,8 +27,7 @@ struct Stroke {
 fn sides(p: vec4<f32>, margin: f32) -> array<f32, 5> {
     let beyond = p.xy + margin * p.z;
     let before = (geometry.size_px + 2.0 * margin) * p.z - beyond;
-    let near = select(1.0, p.w - geometry.near, geometry.is_perspective != 0u);
-    return array<f32, 5>(near, beyond.x, before.x, beyond.y, before.y);
+    return array<f32, 5>(p.w - geometry.near, beyond.x, before.x, beyond.y, before.y);
 }
 
 @vertex
