@@ -26,6 +26,8 @@ struct Geometry {
     // From inverse depth to what is compared, 0 to 1.
     z_scale: f32,
     z_offset: f32,
+    // First column and row of the part of the picture that is drawn.
+    first_px: vec2<f32>,
     has_back_only: u32,
 }
 
@@ -104,13 +106,14 @@ fn triangle(
     let at = corners[index];
     // The near plane is that of the clip volume; along parallel rays fragments are looked at.
     let z = select(0.5, geometry.near, is_perspective);
-    out.position = vec4<f32>(at.xy * geometry.ndc_scale + geometry.ndc_offset * at.z, z, at.z);
+    let in_region = at.xy - geometry.first_px * at.z;
+    out.position = vec4<f32>(in_region * geometry.ndc_scale + geometry.ndc_offset * at.z, z, at.z);
     return out;
 }
 
 @fragment
 fn of_triangle(in: Surface) -> Drawn {
-    let pixel = in.position.xy - 0.5;
+    let pixel = in.position.xy - 0.5 + geometry.first_px;
     let v = clamp(dot(in.plane, vec3<f32>(1.0, pixel)), in.range.x, in.range.y);
     if !shows(v) {
         discard;

@@ -8,7 +8,7 @@ const CORNERS = array<vec2<f32>, 6>(
 );
 
 fn on_picture(pixel: vec2<f32>) -> vec4<f32> {
-    return vec4<f32>(pixel * geometry.ndc_scale + geometry.ndc_offset, 0.5, 1.0);
+    return vec4<f32>((pixel - geometry.first_px) * geometry.ndc_scale + geometry.ndc_offset, 0.5, 1.0);
 }
 
 fn flat_color(v: f32) -> Drawn {
@@ -74,7 +74,7 @@ fn line(@builtin(vertex_index) index: u32, @location(0) from_p: vec3<f32>, @loca
 @fragment
 fn of_line(in: Stroke) -> Drawn {
     let half = 0.5 * geometry.width_px + LINE_SLACK_PX;
-    let from_first = in.position.xy - 0.5 - in.ends.xy;
+    let from_first = in.position.xy - 0.5 + geometry.first_px - in.ends.xy;
     let along = in.ends.zw - in.ends.xy;
     let per_length = dot(along, along);
     let t = select(0.0, clamp(dot(from_first, along) / max(per_length, 1e-30), 0.0, 1.0), per_length > 0.0);
@@ -110,7 +110,7 @@ fn point(@builtin(vertex_index) index: u32, @location(0) position: vec3<f32>) ->
 @fragment
 fn of_point(in: Dot) -> Drawn {
     let half = 0.5 * geometry.width_px;
-    let off = in.position.xy - 0.5 - in.center;
+    let off = in.position.xy - 0.5 + geometry.first_px - in.center;
     if any(off < vec2<f32>(-half)) || any(off >= vec2<f32>(half)) {
         discard;
     }

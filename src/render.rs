@@ -198,13 +198,13 @@ impl Renderer {
         }
         let start = Instant::now();
         let view = View::new(camera, &scene.dataset)?;
-        self.check_memory(view.size_px, scene.bands_of_picture(options.model))?;
+        self.check_memory(view.region.size_px(), scene.bands_of_picture(options.model))?;
         let cull_table = CullTable::new(&scene.pieces, options.model);
         let mut profile = Profile::default();
         let mut topological = std::mem::take(&mut self.topological);
         let order = self.order_frame(scene, &view, &mut topological, &mut profile);
         // After the order, which may have found the exterior faces.
-        let opaque = self.opaque(scene, view.size_px, &mut profile)?;
+        let opaque = self.opaque(scene, &view, &mut profile)?;
         let frame = Frame {
             dataset: &scene.dataset,
             field: &scene.field,
@@ -218,7 +218,7 @@ impl Renderer {
             tiles: None,
             faces: options.faces,
             stop_transmittance: options.stop_transmittance,
-            memory_bytes: opaque::budget(&options, opaque.as_ref(), view.size_px),
+            memory_bytes: opaque::budget(&options, opaque.as_ref(), &view),
             opaque: opaque.as_ref(),
         };
         let drawn = draw(self, &frame, &mut profile);

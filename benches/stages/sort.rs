@@ -1,12 +1,16 @@
-//! `stage/sort`: the radix sort against the library's, and the keys.
+//! `stage/sort`: the radix sort against the library's, the sort of a view turned by a degree, and the keys.
 
 use cellfan::generate::Kind;
-use cellfan::stages::SceneVertex;
-use cellfan::stages::sort::radix::{Pair, pair, sort, sort_coherent, sort_local};
+use cellfan::stages::project::scene_vertices;
+use cellfan::stages::sort::radix::frames::FrameSort;
+use cellfan::stages::sort::radix::{Pair, pair, sort, sort_local};
 use cellfan::stages::sort::{KeyMaker, SortKey};
-use criterion::{BatchSize, Criterion};
+use cellfan::stages::{SceneVertex, View};
+use criterion::measurement::WallTime;
+use criterion::{BatchSize, BenchmarkGroup, Criterion};
 
-use crate::seen::{Seen, all_cells, throughput};
+use crate::seen::{SIDE_PX, Seen, all_cells, throughput};
+use crate::support::Mesh;
 
 type Sorter = fn(&mut Vec<Pair>, &mut Vec<Pair>);
 
@@ -20,20 +24,16 @@ pub(crate) fn bench_sort(criterion: &mut Criterion) {
     let shuffled: Vec<Pair> = (0..N).map(|i| pair(random(), i)).collect();
     let mut sorted = shuffled.clone();
     sorted.sort_unstable();
-    // A view turned a little: one pair in ten thousand has moved.
+    // One pair in ten thousand has moved.
     let mut nearly = sorted.clone();
     for _ in 0..N / 20_000 {
         nearly.swap(random() as usize % N as usize, random() as usize % N as usize);
     }
     let mut group = criterion.benchmark_group("stage/sort");
     group.sample_size(10);
-    throughput(&mut group, N.into(), 64);
-    let sorters: [(&str, Sorter); 4] = [
-        ("sort_local", sort_local),
-        ("sort", sort),
-        ("sort_coherent", sort_coherent),
-        ("std_sort_unstable", |pairs, _| pairs.sort_unstable()),
-    ];
+    throughput(&mut group, N.into(), 32);
+    let sorters: [(&str, Sorter); 3] =
+        [("sort_local", sort_local), ("sort", sort), ("std_sort_unstable", |pairs, _| pairs.sort_unstable())];
     for (input, pairs) in [("random", &shuffled), ("sorted", &sorted), ("nearly_sorted", &nearly)] {
         for (name, sorter) in sorters {
             let mut scratch = Vec::new();
@@ -45,6 +45,8 @@ pub(crate) fn bench_sort(criterion: &mut Criterion) {
             });
         }
     }
+
+    turned(&mut group);
 
     let seen = Seen::new(Kind::Delaunay);
     let every = all_cells();
@@ -64,5 +66,41 @@ pub(crate) fn bench_sort(criterion: &mut Criterion) {
         let (first, last) = ((0..out.len()).min_by_key(by_key), (0..out.len()).max_by_key(by_key));
         let depth = |cell: Option<usize>| cell.map_or(0.0, |i| nearest(&i).into_iter().fold(f32::INFINITY, f32::min));
         assert!(depth(first) < depth(last), "the smallest key is nearer than the largest");
+    }
+}
+
+/// The cells of a view, new and a degree after another one.
+fn turned(group: &mut BenchmarkGroup<WallTime>) {
+    let mesh = Mesh::generate(Kind::Tets, 1_000_000);
+    let (vertices, every) = (scene_vertices(&mesh.dataset, &mesh.field), all_cells());
+    let pairs = |degrees: f64| {
+        let view = View::new(&mesh.camera(degrees, SIDE_PX), &mesh.dataset).expect("the camera is valid");
+        let (keys, mut out) = (KeyMaker::new(SortKey::Centroid, &view, &[]), Vec::new());
+        for block in (0..mesh.dataset.blocks.len()).map(|block| mesh.dataset.block(block)) {
+            keys.keys(&block, &vertices, &every[..block.len()], &mut out);
+        }
+        out.iter().zip(0..).map(|(&key, cell)| pair(key, cell)).collect::<Vec<Pair>>()
+    };
+    let (last, now) = (pairs(1.0), pairs(0.0));
+    let mut expected = now.clone();
+    expected.sort_unstable();
+    throughput(group, now.len() as u64, 32);
+    let fill = |frames: &mut FrameSort, pairs: &[Pair], moved| {
+        frames.begin(1, moved).iter_mut().for_each(|part| part.extend(pairs.iter().copied()));
+    };
+    for (name, moved) in [("new_view", None), ("1_degree_on", Some(0.015))] {
+        let mut sorted = Vec::new();
+        let ready = || {
+            let mut frames = FrameSort::default();
+            fill(&mut frames, &last, None);
+            frames.finish(&mut Vec::new());
+            fill(&mut frames, &now, moved);
+            frames
+        };
+        ready().finish(&mut sorted);
+        assert!(sorted == expected, "{name}");
+        group.bench_function(format!("frames/{name}"), |b| {
+            b.iter_batched_ref(ready, |frames| frames.finish(&mut sorted), BatchSize::LargeInput);
+        });
     }
 }

@@ -4,27 +4,33 @@
 
 use std::time::Instant;
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{Counts, Frame};
 use crate::profile::Profile;
-use crate::stages::ScreenVertex;
 use crate::stages::classify::ClassCounts;
 use crate::stages::cull;
 use crate::stages::fans::{self, FanInput, FanSlot, FanStyle, PlanesFor};
 use crate::stages::footprints::PixelBoxes;
 use crate::stages::project::project;
-use crate::stages::sort::radix::{Pair, index_of, pair, sort_coherent};
+use crate::stages::sort::radix::frames::{FrameSort, Part};
+use crate::stages::sort::radix::{Pair, index_of, pair};
+use crate::stages::{ScreenVertex, View};
 
 /// Cells that one thread makes fans of at a time.
 const RUN: usize = 1 << 12;
 
-/// Projected vertices and sorted cells; keeps its memory, and the last order, between frames.
+/// Parts of the cells that each thread culls, one after the other: enough for threads to end at the same time.
+const PARTS_PER_THREAD: usize = 8;
+
+/// Projected vertices and sorted cells; keeps its memory, and how the last frame's keys were spread, between frames.
 #[derive(Default)]
 pub(super) struct DrawOrder {
     screen: Vec<ScreenVertex>,
     pairs: Vec<Pair>,
-    scratch: Vec<Pair>,
+    sort: FrameSort,
+    last_view: Option<View>,
 }
 
 /// A part of the draw order.
@@ -52,13 +58,16 @@ impl DrawOrder {
         project(frame.view, frame.vertices, &mut self.screen);
         profile.add("project", start.elapsed(), frame.vertices.len() as u64 * 32);
 
-        let counts = self.cull_and_key(frame, is_ordered, profile);
+        let counts = self.cull_and_key(frame, profile);
         let start = Instant::now();
         if is_ordered {
             let _span = tracing::trace_span!("sort").entered();
-            sort_coherent(&mut self.pairs, &mut self.scratch);
+            self.sort.finish(&mut self.pairs);
+        } else {
+            self.sort.finish_unsorted(&mut self.pairs);
         }
-        profile.add("sort", start.elapsed(), self.pairs.len() as u64 * 64);
+        // Each pair is read and written twice; once, where the last frame told where it goes.
+        profile.add("sort", start.elapsed(), self.pairs.len() as u64 * 32);
         counts
     }
 
@@ -78,23 +87,31 @@ impl DrawOrder {
         })
     }
 
-    /// Fills `pairs` with the cells that can show: in the last frame's order if they are to be sorted, else in memory order.
-    fn cull_and_key(&mut self, frame: &Frame, is_ordered: bool, profile: &mut Profile) -> Counts {
+    /// Puts the cells that can show, with their keys, into the parts of the sort.
+    fn cull_and_key(&mut self, frame: &Frame, profile: &mut Profile) -> Counts {
         let start = Instant::now();
-        let boxes = PixelBoxes::new(frame.view);
+        let blocks = frame.dataset.blocks.len();
+        let blocks_of_part = blocks.div_ceil(PARTS_PER_THREAD * rayon::current_num_threads()).max(1);
+        let moved = self.last_view.replace(*frame.view).and_then(|last| moved(&last, frame));
+        let parts = self.sort.begin(blocks.div_ceil(blocks_of_part), moved);
+        let boxes = PixelBoxes::new(frame.view).within(frame.view.region);
         let screen = &self.screen[..];
-        let per_block: Vec<(Vec<Pair>, Counts)> = (0..frame.dataset.blocks.len())
-            .into_par_iter()
-            .map(|block| {
+        let of_part = |(number, part): (usize, &mut Part)| {
+            let (mut visible, mut projected, mut areas, mut keys) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+            let mut counts = Counts::default();
+            let first = number * blocks_of_part;
+            for block in first..(first + blocks_of_part).min(blocks) {
                 let _span = tracing::trace_span!("cull", block).entered();
                 let view = frame.dataset.block(block);
-                let (mut visible, mut projected, mut areas) = (Vec::new(), Vec::new(), Vec::new());
+                visible.clear();
+                projected.clear();
+                areas.clear();
+                keys.clear();
                 let culled =
                     cull::cull(&view, frame.field, screen, (frame.intervals(), frame.cull_table), &mut visible);
                 boxes.of_cells(&view, frame.vertices, screen, &visible, &mut projected, &mut areas);
-                let mut key_from_projected = Vec::with_capacity(projected.len());
-                frame.keys.keys(&view, frame.vertices, &projected, &mut key_from_projected);
-                let counts = Counts {
+                frame.keys.keys(&view, frame.vertices, &projected, &mut keys);
+                counts += Counts {
                     drawn: projected.len() as u64,
                     culled_transparent: culled.transparent,
                     culled_outside: (visible.len() - projected.len()) as u64,
@@ -102,39 +119,33 @@ impl DrawOrder {
                     ..Counts::default()
                 };
                 let of_cell = |(&cell, &key): (&u32, &u32)| pair(key, (view.base + cell as usize) as u32);
-                (projected.iter().zip(&key_from_projected).map(of_cell).collect(), counts)
-            })
-            .collect();
+                part.extend(projected.iter().zip(&keys).map(of_cell));
+            }
+            counts
+        };
+        let of_parts: Vec<Counts> = parts.par_iter_mut().enumerate().map(of_part).collect();
         let mut counts = Counts::default();
-        for (_, block) in &per_block {
-            counts += *block;
-        }
-        let pairs = per_block.iter().flat_map(|(pairs, _)| pairs);
-        if is_ordered {
-            self.take_up_last_order(pairs, frame.dataset.cells());
-        } else {
-            self.pairs.clear();
-            self.pairs.extend(pairs);
+        for part in of_parts {
+            counts += part;
         }
         profile.add("cull", start.elapsed(), frame.dataset.cells() as u64 * 32);
         counts
     }
+}
 
-    /// Puts this frame's pairs where the last frame's stood; cells that were not drawn then come last.
-    fn take_up_last_order<'a>(&mut self, pairs: impl Iterator<Item = &'a Pair>, cells: usize) {
-        const ABSENT: u64 = u64::MAX;
-        self.scratch.clear();
-        self.scratch.resize(cells, ABSENT);
-        for &new in pairs {
-            self.scratch[index_of(new) as usize] = new;
-        }
-        let mut order = std::mem::take(&mut self.pairs);
-        order.retain_mut(|pair| {
-            let Some(new) = self.scratch.get_mut(index_of(*pair) as usize) else { return false };
-            *pair = std::mem::replace(new, ABSENT);
-            *pair != ABSENT
-        });
-        order.extend(self.scratch.iter().filter(|&&new| new != ABSENT));
-        self.pairs = order;
+/// How far a depth has moved since the last view, at most, as a share of the range of depths; `None` where the two do not compare.
+fn moved(last: &View, frame: &Frame) -> Option<f64> {
+    if last.is_perspective != frame.view.is_perspective {
+        return None;
     }
+    let corners = frame.dataset.bounds.corners().map(|corner| corner.as_dvec3() / frame.view.world_per_scene);
+    let depth = |view: &View, corner: DVec3| {
+        if view.is_perspective { corner.distance(view.eye) } else { (corner - view.eye).dot(view.forward) }
+    };
+    let depths = corners.map(|corner| depth(frame.view, corner));
+    let steps = corners.map(|corner| (depth(frame.view, corner) - depth(last, corner)).abs());
+    let near = depths.into_iter().fold(f64::INFINITY, f64::min);
+    let far = depths.into_iter().fold(f64::NEG_INFINITY, f64::max);
+    let moved = steps.into_iter().fold(0.0, f64::max) / (far - near);
+    moved.is_finite().then_some(moved)
 }

@@ -5,6 +5,8 @@ use std::sync::OnceLock;
 use rayon::prelude::*;
 
 use super::cpu::geometry::rasterise;
+use super::tiles::TileGrid;
+use crate::camera::Region;
 use crate::geometry::{Layer, Primitive};
 use crate::image::Image;
 use crate::optics::{Model, Output};
@@ -20,12 +22,17 @@ pub struct Opaque {
 /// Opaque geometry as one view shows it: colour, and how near it is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OpaquePicture {
-    /// Width and height in pixels.
-    pub size_px: [u32; 2],
+    /// The part of the picture that it covers: all pixels of the tiles that the view's region touches.
+    pub area: Region,
     /// Linear RGB, row by row; black where there is nothing.
     pub color: Vec<[f32; 3]>,
     /// Inverse depth (see [`View`]); negative infinity where there is nothing: a ray goes on.
     pub v: Vec<f32>,
+}
+
+/// The part of the picture that `view` needs: of a tile all of it, so that its pixels have the bits that they have in the whole.
+pub(super) fn area_of(view: &View) -> Region {
+    TileGrid::new(view).pixels(view.size_px)
 }
 
 /// Bytes of a pixel of an [`OpaquePicture`], and of the depths that were compared to draw it.
@@ -60,39 +67,43 @@ impl Opaque {
         self.picture.get_or_init(|| rasterise(self, view))
     }
 
-    /// Bytes of memory that lists and picture take; rows of primitives while it is drawn.
-    pub(crate) fn bytes(&self, [width, height]: [u32; 2]) -> u64 {
+    /// Bytes of memory that lists and picture of `view` take; rows of primitives while it is drawn.
+    pub(crate) fn bytes(&self, view: &View) -> u64 {
         let lists: u64 = self.layers.iter().map(|layer| layer.list.bytes() + 4 * layer.list.len() as u64).sum();
-        lists + u64::from(width) * u64::from(height) * BYTES_PER_PIXEL
+        let [width, height] = area_of(view).size_px().map(u64::from);
+        lists + width * height * BYTES_PER_PIXEL
     }
 }
 
 impl OpaquePicture {
-    /// Inverse depth at which the ray of pixel (x, y) ends; negative infinity where it goes on, and outside the picture.
+    /// Inverse depth at which the ray of pixel (x, y) of the whole picture ends; negative infinity where it goes on, and outside.
     #[inline]
     pub(crate) fn limit(&self, x: usize, y: usize) -> f32 {
-        let [width, height] = self.size_px.map(|side| side as usize);
-        if x < width && y < height { self.v[y * width + x] } else { f32::NEG_INFINITY }
+        self.place(x, y).map_or(f32::NEG_INFINITY, |i| self.v[i])
     }
 
-    /// Whether there is something at pixel `i`.
-    fn is_covered(&self, i: usize) -> bool {
-        self.v[i] > f32::NEG_INFINITY
+    /// Where a pixel of the whole picture is.
+    #[inline]
+    fn place(&self, x: usize, y: usize) -> Option<usize> {
+        let [x0, y0, x1, y1] = <[u32; 4]>::from(self.area).map(|side| side as usize);
+        ((x0..x1).contains(&x) && (y0..y1).contains(&y)).then(|| (y - y0) * (x1 - x0) + x - x0)
     }
 
-    /// Puts it behind what `image` shows of the volume in front of it: see
+    /// Puts it behind what `image`, the part of the picture in `region`, shows of the volume in front of it: see
     /// [`GeometryOptions`](crate::geometry::GeometryOptions).
-    pub fn put_behind(&self, image: &mut Image, model: Model, output: Output) {
-        let pixels = image.pixels.par_iter_mut().enumerate().filter(|&(i, _)| self.is_covered(i));
-        pixels.for_each(|(i, pixel)| {
-            let ([r, g, b, a], [back_r, back_g, back_b]) = (*pixel, self.color[i]);
+    pub fn put_behind(&self, image: &mut Image, region: Region, model: Model, output: Output) {
+        let width = image.width as usize;
+        image.pixels.par_iter_mut().enumerate().for_each(|(pixel, shown)| {
+            let (x, y) = (region.x0 as usize + pixel % width, region.y0 as usize + pixel / width);
+            let Some(i) = self.place(x, y).filter(|&i| self.v[i] > f32::NEG_INFINITY) else { return };
+            let ([r, g, b, a], [back_r, back_g, back_b]) = (*shown, self.color[i]);
             let over = |left: f32| [r + left * back_r, g + left * back_g, b + left * back_b, 1.0];
-            *pixel = match (model, output) {
+            *shown = match (model, output) {
                 (Model::EmissionAbsorption, _) => over(1.0 - a),
                 (Model::Emission, _) => over(1.0),
                 (Model::Mip, _) => over(if a > 0.0 { 0.0 } else { 1.0 }),
                 (Model::Absorption, Output::Intensity) => [0.0; 4],
-                (Model::Absorption, Output::Depth) => *pixel,
+                (Model::Absorption, Output::Depth) => *shown,
             };
         });
     }

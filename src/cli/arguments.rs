@@ -3,6 +3,7 @@
 use std::str::FromStr;
 
 use bytesize::ByteSize;
+use cellfan::{Error, Region};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 /// What becomes of cells with more than four corners.
@@ -84,6 +85,14 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     }
 }
 
+/// `X0,Y0,X1,Y1` in pixels.
+pub(super) fn region(text: &str) -> Result<Region, String> {
+    text.parse().map_err(|error| match error {
+        Error::Option { problem, .. } => problem,
+        other => other.to_string(),
+    })
+}
+
 /// A transmittance at which a ray may end.
 pub(super) fn transmittance(text: &str) -> Result<f32, String> {
     let expected = "expected a transmittance from 0 (never stop) to below 1, such as 1e-5";
@@ -161,6 +170,14 @@ mod tests {
         );
         assert_eq!(pixels("1.5"), Ok(1.5));
         assert!(["0.5", "65", "-1", "nan", ""].iter().all(|bad| pixels(bad).is_err()));
+    }
+
+    #[test]
+    fn regions() {
+        assert_eq!(region("0,5, 32768,7").map(Region::size_px), Ok([32_768, 2]));
+        for bad in ["", "0,0,5", "0,0,5,5,5", "-1,0,5,5", "0,0,x,5", "0,0,1.5,2"] {
+            assert!(region(bad).is_err_and(|problem| problem.starts_with("expected X0,Y0,X1,Y1")), "{bad}");
+        }
     }
 
     #[test]

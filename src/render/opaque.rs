@@ -13,6 +13,7 @@ use crate::image::Image;
 use crate::memory;
 use crate::optics::Model;
 use crate::profile::{GeometryStats, Profile};
+use crate::stages::View;
 use crate::stages::sort::adjacency::Adjacency;
 
 /// The lists of a mesh, each made when it is first drawn.
@@ -91,7 +92,7 @@ impl Renderer {
     }
 
     /// The geometry of a frame, made in its first; none where none is asked for.
-    pub(super) fn opaque(&self, scene: &Scene, size_px: [u32; 2], profile: &mut Profile) -> Result<Option<Opaque>> {
+    pub(super) fn opaque(&self, scene: &Scene, view: &View, profile: &mut Profile) -> Result<Option<Opaque>> {
         let RenderOptions { geometry, memory_bytes, .. } = &self.options;
         if !geometry.is_any() {
             return Ok(None);
@@ -110,27 +111,27 @@ impl Renderer {
         let layers = profile.time("geometry", || scene.layers(geometry));
         profile.sample_memory();
         let opaque = Opaque::new(layers);
-        memory::check(|| "surface, edges and points in the picture".to_owned(), Some(opaque.bytes(size_px)))?;
+        memory::check(|| "surface, edges and points in the picture".to_owned(), Some(opaque.bytes(view)))?;
         Ok(Some(opaque))
     }
 
     /// Puts opaque geometry behind a picture of the volume that the processor drew.
     pub(super) fn put_behind(&self, image: &mut Image, frame: &Frame) {
         if let Some(opaque) = frame.opaque {
-            opaque.picture(frame.view).put_behind(image, self.options.model, self.options.output);
+            opaque.picture(frame.view).put_behind(image, frame.view.region, self.options.model, self.options.output);
         }
     }
 }
 
 /// What a memory budget leaves beside the geometry.
-pub(super) fn budget(options: &RenderOptions, opaque: Option<&Opaque>, size_px: [u32; 2]) -> Option<u64> {
-    let taken = opaque.map_or(0, |opaque| opaque.bytes(size_px));
+pub(super) fn budget(options: &RenderOptions, opaque: Option<&Opaque>, view: &View) -> Option<u64> {
+    let taken = opaque.map_or(0, |opaque| opaque.bytes(view));
     options.memory_bytes.map(|bytes| bytes.saturating_sub(taken))
 }
 
 /// A budget that was too small for the rest of a frame, in terms of the frame.
 pub(super) fn with_geometry(error: Error, options: &RenderOptions, frame: &Frame) -> Error {
-    let taken = frame.opaque.map_or(0, |opaque| opaque.bytes(frame.view.size_px));
+    let taken = frame.opaque.map_or(0, |opaque| opaque.bytes(frame.view));
     match (error, options.memory_bytes) {
         (Error::Memory { needed_bytes, what, advice, .. }, Some(budget_bytes)) => {
             Error::Memory { budget_bytes, needed_bytes: needed_bytes + taken, what, advice }

@@ -45,10 +45,17 @@ fn sorts_are_compared_beside_the_papers() {
     let place = Place::new();
     let found = record(&place, "sort --threads 2 --max-keys 100000");
     let sorts = rows(&found, "rows");
-    // Two sizes, three inputs, two routines on one thread and three on all.
-    assert_eq!(sorts.len(), 2 * 3 * 5);
+    // Two sizes, three inputs, two routines on one thread and two on all.
+    assert_eq!(sorts.len(), 2 * 3 * 4);
     for row in sorts {
         is_a_time(&row["time"]);
+    }
+    // One mesh: three steps by two ways, and one way that knows none.
+    let views = rows(&found, "views");
+    assert_eq!(views.len(), 3 * 2 + 1);
+    for row in views {
+        is_a_time(&row["sorting"]);
+        assert!(row["cells"].as_u64() > Some(90_000), "{row}");
     }
     assert_eq!(found["results"]["paper"]["rows"][0]["seconds"][4], 755.56);
     assert_eq!(found["threads"], 2);

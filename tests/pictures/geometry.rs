@@ -4,7 +4,8 @@ use cellfan::generate::Scheme;
 use cellfan::geometry::{GeometryOptions, SurfaceFaces, headlight};
 use cellfan::optics::{BandPoint, BandTable, Output};
 use cellfan::{
-    Camera, CpuMethod, Dataset, Error, Image, Model, Projection, RenderOptions, Renderer, Scene, TransferFunction,
+    Camera, CpuMethod, Dataset, Error, Image, Model, Projection, Region, RenderOptions, Renderer, Scene, SortMethod,
+    TransferFunction,
 };
 use glam::DVec3;
 
@@ -213,8 +214,9 @@ fn footprints_and_fans_end_alike() {
     for (mesh, case, transfer) in cases() {
         for (view, camera) in three_views(160, 120) {
             for (name, geometry) in everything() {
-                for model in Model::ALL {
-                    let options = RenderOptions { model, ..with(geometry) };
+                for model in [Model::EmissionAbsorption, Model::Emission] {
+                    // The same order in both ways.
+                    let options = RenderOptions { model, sort: SortMethod::Centroid, ..with(geometry) };
                     let draw =
                         |cpu_method| case.render(RenderOptions { cpu_method, ..options }, &transfer, &camera).image;
                     let (footprints, fans) = (draw(CpuMethod::Footprints), draw(CpuMethod::Fans));
@@ -300,6 +302,22 @@ fn any_budget_and_any_number_of_threads_give_the_same_bytes() {
     let options = RenderOptions { memory_bytes: Some(scene.owned_bytes() + 1000), ..with(both) };
     let refused = Renderer::new(options).render(&scene, &three_views(20, 20)[0].1).unwrap_err();
     assert!(matches!(refused, Error::Memory { .. }), "{refused}");
+}
+
+#[test]
+fn a_region_has_the_bits_of_the_whole_picture() {
+    let case = Case::new(grid(3000, Scheme::Six, 0.2), "value");
+    let [_, _, (_, both)] = everything();
+    for (view, camera) in three_views(150, 110) {
+        for cpu_method in [CpuMethod::Footprints, CpuMethod::Fans] {
+            let options = RenderOptions { cpu_method, ..with(both) };
+            let whole = case.render(options, &smooth(), &camera).image;
+            let region = Region { x0: 37, y0: 21, x1: 118, y1: 67 };
+            let part = case.render(options, &smooth(), &Camera { region: Some(region), ..camera.clone() }).image;
+            let differ = |&(x, y): &(u32, u32)| part.pixel(x, y) != whole.pixel(37 + x, 21 + y);
+            assert_eq!((0..46).flat_map(|y| (0..81).map(move |x| (x, y))).find(differ), None, "{view}, {cpu_method:?}");
+        }
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use cellfan::backends::gpu::GpuCompositor;
 use cellfan::generate::Scheme;
 use cellfan::geometry::GeometryOptions;
-use cellfan::{Camera, Model, RenderOptions, Renderer, SortMethod};
+use cellfan::{Camera, Model, Region, RenderOptions, Renderer, SortMethod};
 
 use crate::check::Case;
 use crate::geometry::{cases, everything, with};
@@ -11,6 +11,11 @@ use crate::gpu::draw;
 use crate::gpus::gpus;
 use crate::meshes::{frame_unit_cube, grid, smooth, three_views};
 use crate::parity::{Parity, miss};
+
+/// As [`Parity::holds`]; of 7,000 pixels one on an outline, which a GPU places to 1/256 pixel, may be opaque or nothing.
+fn holds(parity: &Parity) -> bool {
+    parity.covered > 1000 && parity.mean <= 2e-4 && parity.within >= 0.9995
+}
 
 #[test]
 fn geometry_has_parity_with_the_cpu() {
@@ -28,17 +33,17 @@ fn geometry_has_parity_with_the_cpu() {
                         let parity = Parity::of(&cpu, &image, miss(model));
                         let line = format!("{mesh:12} {view:9} {name:8} {model:20} {parity:?}");
                         println!("{line}");
-                        if !parity.holds() {
+                        if !holds(&parity) {
                             failures.push(line);
                         }
                         // The comparison fails on a picture one level off, and on one whose rays do not end.
                         image.pixels.iter_mut().for_each(|pixel| pixel[2] += 1.0 / 255.0);
-                        assert!(!Parity::of(&cpu, &image, miss(model)).holds(), "one level passes");
+                        assert!(!holds(&Parity::of(&cpu, &image, miss(model))), "one level passes");
                         // From inside an opaque volume hides it, and a largest value what is behind it.
                         if view == "outside" && model != Model::Mip {
                             let options = RenderOptions { geometry: GeometryOptions::NONE, ..options };
                             let volume = draw(gpu, options, &scene, &camera);
-                            assert!(!Parity::of(&cpu, &volume, miss(model)).holds(), "the volume alone passes");
+                            assert!(!holds(&Parity::of(&cpu, &volume, miss(model))), "the volume alone passes");
                         }
                     }
                 }
@@ -81,7 +86,16 @@ fn late_tiles_and_textures_show_geometry_too() {
     for gpu in gpus("late_tiles_and_textures_show_geometry_too") {
         let exact = draw(&gpu, options, &scene, &camera);
         let parity = Parity::of(&cpu, &exact, 0.0);
-        assert!(parity.holds(), "{parity:?}");
+        assert!(holds(&parity), "{parity:?}");
+        // The same in a part of the picture.
+        let camera_of_part = Camera { region: Some(Region { x0: 37, y0: 21, x1: 118, y1: 67 }), ..camera.clone() };
+        let part = draw(&gpu, options, &scene, &camera_of_part);
+        let pixels = (0..46).flat_map(|y| (0..81).map(move |x| (x, y)));
+        let off = pixels.filter(|&(x, y)| {
+            let pairs = part.pixel(x, y).into_iter().zip(exact.pixel(37 + x, 21 + y));
+            pairs.into_iter().any(|(a, b)| (a - b).abs() > 1e-4)
+        });
+        assert!(off.count() <= 4);
         let (device, _) = gpu.device_and_queue();
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: None,

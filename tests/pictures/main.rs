@@ -21,6 +21,8 @@ mod gpu_geometry;
 #[cfg(feature = "gpu")]
 mod gpu_order;
 #[cfg(feature = "gpu")]
+mod gpu_region;
+#[cfg(feature = "gpu")]
 #[path = "../common/gpus.rs"]
 mod gpus;
 mod hexahedra;
@@ -33,6 +35,7 @@ mod parity;
 mod polyhedron;
 mod real;
 mod reference;
+mod region;
 mod several;
 mod topological;
 #[cfg(feature = "gpu")]

@@ -104,7 +104,7 @@ impl GpuGeometry {
             gpu.queue.write_buffer(&sent.uniform, 0, bytemuck::bytes_of(&uniform));
             self.sent.push(sent);
         }
-        let size_px = frame.view.size_px;
+        let size_px = frame.view.region.size_px();
         if self.targets.as_ref().is_none_or(|targets| targets.size_px != size_px) {
             self.targets = None;
             self.targets = Some(Targets::new(gpu, size_px, texture));

@@ -52,7 +52,7 @@ fn shaders_parse_and_read_what_rust_writes() {
         let frame = offsets!(
             FrameUniform: ndc_scale, ndc_offset, ray, is_perspective, ray_step_x, piece_count, ray_step_y, v_far,
             v_near, texels, texels_per_length, texels_per_extinction, s_middle, s_scale,
-            order_scale, order_offset
+            order_scale, order_offset, first_px, tile_columns, first_tile
         );
         assert_eq!(members(&module, "Frame"), frame, "{shading:?}");
         let piece = offsets!(
@@ -69,7 +69,8 @@ fn shaders_parse_and_read_what_rust_writes() {
     let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
     let geometry = offsets!(
         GeometryUniform: eye, is_perspective, forward, near, to_x, center_x, to_y, center_y, first, v_far, step_x, v_near,
-        step_y, setback_px, color, width_px, ndc_scale, ndc_offset, size_px, z_scale, z_offset, has_back_only
+        step_y, setback_px, color, width_px, ndc_scale, ndc_offset, size_px, z_scale, z_offset, first_px,
+        has_back_only
     );
     assert_eq!(members(&module, "Geometry"), geometry);
     let words = |bytes: usize| (bytes / 16, bytes % 16 / 4);

@@ -1,7 +1,10 @@
-//! `bench scaling`: how frames grow with cells, with threads and with pixels.
+//! `bench scaling`: how frames grow with cells, in one picture and in one that grows with them, with threads and with pixels.
 //!
 //! Jittered grids of tetrahedra, written as containers and used in place, as meshes too large for other formats are. Checked: frames as always;
 //! the same bytes on any number of threads; the same share of the picture for any number of cells or pixels.
+//!
+//! *Of one size on screen*: the picture's side grows with the cubic root of the cells, so a cell covers as many pixels in every row, and
+//! lies in front of more others. What a cell costs then is what scales; in one picture small cells cost less than large ones.
 
 use std::path::PathBuf;
 
@@ -44,6 +47,10 @@ pub(super) struct Arguments {
 const FIRST_CELLS: u64 = 100_000;
 /// The smallest picture, and that of meshes and threads.
 const SIDES: (u32, u32) = (256, 1024);
+/// The side of the picture in which a cell of a million is of the size that all have; cells cover some ten pixels then.
+const SIDE_OF_A_MILLION: f64 = 512.0;
+/// The fewest cells whose cost is compared: fewer leave threads without work.
+const FEWEST_COMPARED: u64 = 900_000;
 /// What writing a mesh takes.
 const WRITING_BYTES: u64 = 1 << 30;
 /// What a frame takes a cell beside the mapped file, which should stay in memory too, and a pixel.
@@ -105,12 +112,17 @@ pub(super) fn run(arguments: &Arguments, session: &mut Session) -> Outcome<Repor
         by_pixels = bench.by_pixels(scene, max_side)?;
     }
     drop(fixed);
-    let by_cells = bench.by_cells(max_cells, SIDES.1.min(max_side))?;
+    let (by_cells, of_one_size) = bench.by_cells(max_cells, SIDES.1.min(max_side))?;
     Ok(Report {
         benchmark: "scaling",
         settings: json!({ "max_cells": max_cells, "cells": cells, "max_side": max_side, "device": device_name, "generated": "tets" }),
-        results: json!({ "by_cells": value(&by_cells), "by_threads": value(&by_threads), "by_pixels": value(&by_pixels) }),
-        tables: vec![cells_table(&by_cells), threads_table(&by_threads), pixels_table(&by_pixels)],
+        results: json!({ "by_cells": value(&by_cells), "of_one_size": value(&of_one_size), "by_threads": value(&by_threads), "by_pixels": value(&by_pixels) }),
+        tables: vec![
+            cells_table(&by_cells),
+            size_table(&of_one_size),
+            threads_table(&by_threads),
+            pixels_table(&by_pixels),
+        ],
     })
 }
 
@@ -145,23 +157,31 @@ impl Bench<'_> {
         shots.draw(self.session, &mut self.device.renderer(options))
     }
 
-    fn by_cells(&mut self, max_cells: u64, side: u32) -> Outcome<Vec<Row>> {
+    /// All meshes in pictures of one size, and in such that their cells are of one size.
+    fn by_cells(&mut self, max_cells: u64, side: u32) -> Outcome<(Vec<Row>, Vec<Row>)> {
         let mut sizes: Vec<u64> =
             (0..5).map(|power| FIRST_CELLS * 10_u64.pow(power)).take_while(|&cells| cells <= max_cells).collect();
         if sizes.is_empty() {
             sizes.push(max_cells);
         }
-        let (mut rows, mut last_s): (Vec<Row>, f64) = (Vec::new(), 0.0);
+        let (mut rows, mut of_one_size, mut last_s): (Vec<Row>, Vec<Row>, f64) = (Vec::new(), Vec::new(), 0.0);
         for cells in sizes {
             let start = std::time::Instant::now();
             let Some(Generated { scene, .. }) = &self.scene(cells, 10.0 * last_s)? else { continue };
             let _progress = Progress::running(format!("drawing {}", count(cells, "cell")));
             let usual = if cells > 2_000_000 { 5 } else { 11 };
-            rows.push(Row::new(rayon::current_num_threads(), [side; 2], self.draw(scene, side, usual)?));
+            let draw = |rows: &mut Vec<Row>, side: u32| -> Outcome {
+                rows.push(Row::new(rayon::current_num_threads(), [side; 2], self.draw(scene, side, usual)?));
+                Ok(())
+            };
+            draw(&mut rows, side)?;
+            let side = SIDE_OF_A_MILLION * (scene.dataset().cells() as f64 * 1e-6).cbrt();
+            draw(&mut of_one_size, side.round() as u32)?;
             last_s = start.elapsed().as_secs_f64();
         }
         same_cover(&rows)?;
-        Ok(rows)
+        same_cover(&of_one_size)?;
+        Ok((rows, of_one_size))
     }
 
     /// One thread, two, four … and all.
@@ -224,6 +244,32 @@ fn cells_table(rows: &[Row]) -> Table {
         let numbers =
             [digits(row.frames.time.median_ms), spread(row), digits(row.ns_per_cell), digits(row.cells_per_s * 1e-6)];
         table.row(std::iter::once(grouped(row.cells)).chain(numbers));
+    }
+    table
+}
+
+fn size_table(rows: &[Row]) -> Table {
+    let title = rows.first().map_or_else(String::new, |row| format!(", {}", count(row.threads as u64, "thread")));
+    let head = ["cells", "picture", "ms", "±", "ns a cell", "million cells/s"];
+    let mut table = Table::new(format!("Frames of cells of one size on screen{title}"), &head);
+    for row in rows {
+        let [width, height] = row.size_px;
+        table.row([
+            grouped(row.cells),
+            format!("{width}x{height}"),
+            digits(row.frames.time.median_ms),
+            spread(row),
+            digits(row.ns_per_cell),
+            digits(row.cells_per_s * 1e-6),
+        ]);
+    }
+    let compared = || rows.iter().filter(|row| row.cells >= FEWEST_COMPARED).map(|row| row.ns_per_cell);
+    if compared().count() > 1 {
+        let (least, most) = (compared().fold(f64::INFINITY, f64::min), compared().fold(0.0, f64::max));
+        table.remark(format!(
+            "From a million cells on, a cell costs at most {:.2} times what it costs at least.",
+            most / least
+        ));
     }
     table
 }

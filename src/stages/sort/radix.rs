@@ -1,16 +1,27 @@
-//! `radix`: LSD radix sort of 32-bit keys with 32-bit indices, packed as `key << 32 | index`; parallel.
+//! `radix`: radix sorts of 32-bit keys with 32-bit indices, packed as `key << 32 | index`.
 //!
-//! In: pairs in any order. Out: the same pairs by key, equal keys by index, whatever the order they came in: a frame does
-//! not depend on the one before. Four passes of 8-bit digits, a pass whose digit is the same everywhere is skipped; 16 bytes
-//! moved per pair and pass. The same bytes for any number of threads: a chunk's place under each digit follows from the
-//! counts of the chunks before it.
+//! In: pairs in any order. Out: the same pairs by key, equal keys by index, whatever the order they came in and however many
+//! threads there are: a frame does not depend on the one before. [`sort_local`] moves pairs digit by digit from the least, in a
+//! cache; [`sort`] first spreads them over [`BUCKETS`] by the highest bits that differ, then [`settle`]s each bucket in the cache of
+//! one thread: two moves of each pair through memory, where digit by digit takes three or four. What it waits for is memory.
+//!
+//! [`frames`] sorts the pairs of frame after frame and gains from the one before.
 //!
 //! CellFast, section 2, sorts the same pairs by a custom quicksort.
+
+pub mod frames;
+mod part;
+mod settle;
+mod spread;
+#[cfg(test)]
+mod tests;
 
 use std::sync::atomic::Ordering;
 
 use rayon::prelude::*;
 
+use self::settle::{Settler, order_ties};
+use self::spread::{BUCKETS, Counts, SAMPLE, Spread, split_by};
 use crate::stages::scatter::as_atomic;
 
 /// A key and an index in one word: ordering words orders keys, then indices.
@@ -28,12 +39,18 @@ pub fn index_of(pair: Pair) -> u32 {
     pair as u32
 }
 
+/// The key of a pair.
+#[inline]
+pub fn key_of(pair: Pair) -> u32 {
+    (pair >> 32) as u32
+}
+
 const DIGITS: usize = 256;
 /// Bits of the key, digit by digit, within the packed word.
 const SHIFTS: [u32; 4] = [32, 40, 48, 56];
 /// Below this many pairs the library's sort is used: four passes and their counts cost the same for any few. Chosen, not measured.
 const SMALL: usize = 384;
-/// Pairs a thread takes at least; below two of these one thread does it all.
+/// Pairs a thread takes at least; below two of these [`sort_local`] does it all.
 const CHUNK: usize = 1 << 16;
 
 #[inline]
@@ -74,145 +91,52 @@ pub fn sort_local(pairs: &mut Vec<Pair>, scratch: &mut Vec<Pair>) {
 
 /// Sorts `pairs` by key and index on all threads of the current pool. `scratch` is grown as needed.
 pub fn sort(pairs: &mut Vec<Pair>, scratch: &mut Vec<Pair>) {
-    let threads = rayon::current_num_threads();
-    if threads == 1 || pairs.len() < 2 * CHUNK {
+    if pairs.len() < 2 * CHUNK {
         sort_local(pairs, scratch);
         return;
     }
     scratch.resize(pairs.len(), 0);
-    let chunk_len = pairs.len().div_ceil(threads * 2).max(CHUNK);
-    for shift in SHIFTS {
-        // Count per chunk, scan over (digit, chunk), write.
-        let mut starts: Vec<[usize; DIGITS]> = pairs
-            .par_chunks(chunk_len)
-            .map(|chunk| {
-                let mut counts = [0; DIGITS];
-                for &pair in chunk {
-                    counts[digit(pair, shift)] += 1;
-                }
-                counts
-            })
-            .collect();
-        if (0..DIGITS).any(|d| starts.iter().map(|counts| counts[d]).sum::<usize>() == pairs.len()) {
-            continue;
-        }
-        let mut start = 0;
-        for d in 0..DIGITS {
+    let len = pairs.len();
+    sort_slices(pairs, &mut scratch[..len]);
+}
+
+/// The same for slices of one length.
+fn sort_slices(pairs: &mut [Pair], scratch: &mut [Pair]) {
+    let Some(spread) = Spread::over(pairs.iter().step_by(pairs.len().div_ceil(SAMPLE).max(1))) else { return };
+    let chunk_len = pairs.len().div_ceil(rayon::current_num_threads() * 4).max(CHUNK);
+    // Count per chunk, scan over (bucket, chunk), write.
+    let count = |chunk: &[Pair]| (spread.count(chunk), chunk.is_sorted_by_key(|&pair| index_of(pair)));
+    let (mut starts, are_ordered): (Vec<Counts>, Vec<bool>) = pairs.par_chunks(chunk_len).map(count).unzip();
+    let is_seam_ordered = |at: usize| index_of(pairs[at - 1]) <= index_of(pairs[at]);
+    // Then moves that keep the order of equal keys order them by index.
+    let is_in_index_order =
+        are_ordered.into_iter().all(|is| is) && (chunk_len..pairs.len()).step_by(chunk_len).all(is_seam_ordered);
+    let mut start = 0;
+    let lens: Vec<usize> = (0..BUCKETS)
+        .map(|bucket| {
+            let first = start;
             for counts in &mut starts {
-                start += std::mem::replace(&mut counts[d], start);
+                start += std::mem::replace(&mut counts[bucket], start);
             }
+            (start - first) as usize
+        })
+        .collect();
+    debug_assert_eq!(start as usize, pairs.len());
+    // The ranges that chunks write to interleave; relaxed atomic stores are plain stores that may.
+    let out = as_atomic(scratch);
+    pairs.par_chunks(chunk_len).zip(&mut starts).for_each(|(chunk, places)| {
+        for &pair in chunk {
+            let place = &mut places[spread.bucket(pair)];
+            out[*place as usize].store(pair, Ordering::Relaxed);
+            *place += 1;
         }
-        debug_assert_eq!(start, pairs.len());
-        // The ranges that chunks write to interleave; relaxed atomic stores are plain stores that may.
-        let out = as_atomic(scratch);
-        pairs.par_chunks(chunk_len).zip(&mut starts).for_each(|(chunk, places)| {
-            for &pair in chunk {
-                let place = &mut places[digit(pair, shift)];
-                out[*place].store(pair, Ordering::Relaxed);
-                *place += 1;
-            }
-        });
-        std::mem::swap(pairs, scratch);
-    }
-    order_ties(pairs);
-}
-
-/// Orders runs of equal keys by index.
-fn order_ties(pairs: &mut [Pair]) {
-    for run in pairs.chunk_by_mut(|a, b| a >> 32 == b >> 32) {
-        if run.len() > 1 {
-            run.sort_unstable();
+    });
+    let buckets = split_by(scratch, lens.iter().copied()).into_iter().zip(split_by(pairs, lens.iter().copied()));
+    let buckets: Vec<(&mut [Pair], &mut [Pair])> = buckets.collect();
+    buckets.into_par_iter().enumerate().for_each_init(Settler::default, |settler, (bucket, (from, out))| {
+        settler.settle(&[from], out, spread.keys_of(bucket));
+        if !is_in_index_order {
+            order_ties(out);
         }
-    }
-}
-
-/// Sorts `pairs` that are likely nearly in order already, as they are when they stand in the last frame's order.
-///
-/// A sorted input costs one pass over it; one with few descents goes to the library's merge sort, which takes runs as
-/// they are; anything else goes to [`sort`].
-pub fn sort_coherent(pairs: &mut Vec<Pair>, scratch: &mut Vec<Pair>) {
-    let descents = pairs.par_windows(2).filter(|two| two[0] > two[1]).count();
-    // A merge of runs costs a pass per doubling: worth it while runs are long. The limit is chosen, not measured.
-    if descents == 0 {
-    } else if descents < pairs.len() / 4096 {
-        pairs.par_sort();
-    } else {
-        sort(pairs, scratch);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use proptest::prelude::*;
-
-    use super::*;
-
-    fn twin(mut pairs: Vec<Pair>) -> Vec<Pair> {
-        pairs.sort_unstable();
-        pairs
-    }
-
-    fn shuffled(n: usize, mask: u32) -> Vec<Pair> {
-        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
-        (0..n as u32)
-            .map(|i| {
-                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-                pair((state >> 33) as u32 & mask, i)
-            })
-            .collect()
-    }
-
-    #[test]
-    fn sorts_around_every_threshold_like_the_library() {
-        for n in [0, 1, 2, SMALL - 1, SMALL, SMALL + 1, 2 * CHUNK - 1, 2 * CHUNK, 2 * CHUNK + 1, 5 * CHUNK + 7] {
-            for mask in [u32::MAX, 0xff, 0xff00_0000, 0] {
-                let pairs = shuffled(n, mask);
-                let expected = twin(pairs.clone());
-                for sorter in [sort_local, sort, sort_coherent] {
-                    let (mut sorted, mut scratch) = (pairs.clone(), Vec::new());
-                    sorter(&mut sorted, &mut scratch);
-                    assert!(sorted == expected, "n {n}, mask {mask:x}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn equal_keys_are_ordered_by_index_whatever_order_they_came_in() {
-        let mut pairs: Vec<Pair> = (0..3 * CHUNK as u32).map(|i| pair(i % 5, 7 * i % 1000)).collect();
-        let expected = twin(pairs.clone());
-        sort(&mut pairs, &mut Vec::new());
-        assert!(pairs == expected);
-    }
-
-    #[test]
-    fn the_same_bytes_for_any_number_of_threads() {
-        let pairs = shuffled(3 * CHUNK, 0xffff);
-        let expected = twin(pairs.clone());
-        for threads in [1, 2, 3, 7] {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let (mut sorted, mut scratch) = (pairs.clone(), Vec::new());
-            pool.install(|| sort(&mut sorted, &mut scratch));
-            assert!(sorted == expected, "{threads} threads");
-        }
-    }
-
-    #[test]
-    fn nearly_sorted_pairs_come_out_sorted() {
-        let mut pairs: Vec<Pair> = (0..100_000).map(|i| pair(i, i)).collect();
-        pairs.swap(500, 90_000);
-        let expected = twin(pairs.clone());
-        sort_coherent(&mut pairs, &mut Vec::new());
-        assert_eq!(pairs, expected);
-    }
-
-    proptest! {
-        #[test]
-        fn any_keys_sort_like_the_library(keys in prop::collection::vec(any::<u32>(), 0..2000)) {
-            let pairs: Vec<Pair> = keys.iter().enumerate().map(|(i, &key)| pair(key, i as u32)).collect();
-            let (mut sorted, mut scratch) = (pairs.clone(), Vec::new());
-            sort_local(&mut sorted, &mut scratch);
-            prop_assert_eq!(sorted, twin(pairs));
-        }
-    }
+    });
 }

@@ -12,10 +12,12 @@ mod triangles;
 #[cfg(feature = "gpu")]
 pub(in crate::backends) use strokes::LINE_SLACK_PX;
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use self::project::Projector;
-use crate::backends::opaque::{Opaque, OpaquePicture};
+use crate::backends::opaque::{Opaque, OpaquePicture, area_of};
 use crate::geometry::{Layer, Primitive};
 use crate::stages::View;
 
@@ -28,7 +30,9 @@ pub(crate) const SETBACK: f32 = 1e-5;
 
 /// Draws the layers.
 pub(in crate::backends) fn rasterise(opaque: &Opaque, view: &View) -> OpaquePicture {
-    let [width, height] = view.size_px.map(|side| side as usize);
+    let area = area_of(view);
+    let [width, height] = area.size_px().map(|side| side as usize);
+    let columns = area.x0 as usize..area.x1 as usize;
     let projector = Projector::new(view);
     let drawers: Vec<Drawer> = opaque
         .layers()
@@ -40,16 +44,14 @@ pub(in crate::backends) fn rasterise(opaque: &Opaque, view: &View) -> OpaquePict
             drawer
         })
         .collect();
-    let mut picture = OpaquePicture {
-        size_px: view.size_px,
-        color: vec![[0.0; 3]; width * height],
-        v: vec![f32::NEG_INFINITY; width * height],
-    };
+    let mut picture =
+        OpaquePicture { area, color: vec![[0.0; 3]; width * height], v: vec![f32::NEG_INFINITY; width * height] };
     let bands = picture.color.par_chunks_mut(width * BAND).zip(picture.v.par_chunks_mut(width * BAND));
     bands.enumerate().for_each(|(band, (color, v))| {
         let _span = tracing::trace_span!("geometry", band).entered();
         let compared = vec![f32::NEG_INFINITY; v.len()];
-        let mut band = Band { first: band * BAND, end: band * BAND + v.len() / width, width, color, v, compared };
+        let first = area.y0 as usize + band * BAND;
+        let mut band = Band { rows: first..first + v.len() / width, columns: columns.clone(), color, v, compared };
         for drawer in &drawers {
             drawer.draw(&mut band);
         }
@@ -57,11 +59,10 @@ pub(in crate::backends) fn rasterise(opaque: &Opaque, view: &View) -> OpaquePict
     picture
 }
 
-/// Some rows of the picture.
+/// Some rows of the picture, all columns that are drawn.
 struct Band<'a> {
-    first: usize,
-    end: usize,
-    width: usize,
+    rows: Range<usize>,
+    columns: Range<usize>,
     color: &'a mut [[f32; 3]],
     v: &'a mut [f32],
     /// What depths are compared by: those of surfaces are set back a little.
@@ -72,19 +73,19 @@ impl Band<'_> {
     /// Draws a fragment where it is as near as what is there.
     #[inline]
     fn put(&mut self, [x, y]: [usize; 2], v: f32, compared: f32, color: impl FnOnce() -> [f32; 3]) {
-        let pixel = (y - self.first) * self.width + x;
+        let pixel = (y - self.rows.start) * self.columns.len() + x - self.columns.start;
         if compared >= self.compared[pixel] {
             (self.compared[pixel], self.v[pixel], self.color[pixel]) = (compared, v, color());
         }
     }
 
     /// The pixels of the band whose centres lie in a box, ends included: columns and rows.
-    fn pixels_in(&self, [low_x, low_y]: [f64; 2], [high_x, high_y]: [f64; 2]) -> [std::ops::Range<usize>; 2] {
-        let range = |low: f64, high: f64, first: usize, end: usize| {
-            let from = low.ceil().clamp(first as f64, end as f64) as usize;
-            from..((high.floor() + 1.0).clamp(from as f64, end as f64) as usize)
+    fn pixels_in(&self, [low_x, low_y]: [f64; 2], [high_x, high_y]: [f64; 2]) -> [Range<usize>; 2] {
+        let range = |low: f64, high: f64, all: &Range<usize>| {
+            let from = low.ceil().clamp(all.start as f64, all.end as f64) as usize;
+            from..((high.floor() + 1.0).clamp(from as f64, all.end as f64) as usize)
         };
-        [range(low_x, high_x, 0, self.width), range(low_y, high_y, self.first, self.end)]
+        [range(low_x, high_x, &self.columns), range(low_y, high_y, &self.rows)]
     }
 }
 
@@ -118,7 +119,7 @@ impl Drawer<'_> {
 
     fn draw(&self, band: &mut Band) {
         for (i, &[first, end]) in self.rows.iter().enumerate() {
-            if usize::from(first) >= band.end || usize::from(end) <= band.first {
+            if usize::from(first) >= band.rows.end || usize::from(end) <= band.rows.start {
                 continue;
             }
             match (self.layer.list.primitive(), self.corners(i)) {
