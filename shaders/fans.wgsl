@@ -62,8 +62,9 @@ fn segment_of_fan(in: Fragment) -> Segment {
     let pixel = pixel_of(in);
     let v0 = in.enter_leave.x;
     let v1 = in.enter_leave.z;
-    let clipped0 = clamp(v0, frame.v_far, frame.v_near);
-    let clipped1 = clamp(v1, frame.v_far, frame.v_near);
+    let v_far = v_far_at(in.position);
+    let clipped0 = clamp(v0, v_far, frame.v_near);
+    let clipped1 = clamp(v1, v_far, frame.v_near);
     note_part(clipped0, clipped1);
     // Nearer is larger: a ray enters at the larger v.
     var depth = max(clipped0 - clipped1, 0.0);

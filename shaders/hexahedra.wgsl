@@ -140,8 +140,9 @@ fn part_between(in: Fragment, enter: vec2<f32>, leave: vec2<f32>) -> Segment {
     var cut0 = 0.0;
     var cut1 = 1.0;
     var depth = 0.0;
+    let v_far = v_far_at(in.position);
     if (flags & IS_HOMOGENEOUS) != 0u {
-        let far = select(LARGEST, 1.0 / frame.v_far, frame.v_far > 0.0);
+        let far = select(LARGEST, 1.0 / v_far, v_far > 0.0);
         let w0 = clamp(enter.x, 1.0 / frame.v_near, far);
         let w1 = clamp(leave.x, 1.0 / frame.v_near, far);
         depth = w1 - w0;
@@ -152,8 +153,8 @@ fn part_between(in: Fragment, enter: vec2<f32>, leave: vec2<f32>) -> Segment {
         let v_origin = bitcast<f32>(in.head.x);
         let v0 = v_origin - enter.x;
         let v1 = v_origin - leave.x;
-        let clipped0 = clamp(v0, frame.v_far, frame.v_near);
-        let clipped1 = clamp(v1, frame.v_far, frame.v_near);
+        let clipped0 = clamp(v0, v_far, frame.v_near);
+        let clipped1 = clamp(v1, v_far, frame.v_near);
         note_part(clipped0, clipped1);
         let is_whole = clipped0 == v0 && clipped1 == v1;
         // Relative to the origin nothing cancels.

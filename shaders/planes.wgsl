@@ -10,7 +10,7 @@ fn segment_of_planes(in: Fragment) -> Segment {
     let s_min = in.s_range.y;
     let planes = array<vec4<f32>, 4>(in.a, in.b, in.c, in.d);
     var enter = ranges.y;
-    var leave = ranges.x;
+    var leave = max(ranges.x, v_far_at(in.position));
     var scalar: array<f32, 4>;
     for (var k = 0u; k < 4u; k++) {
         let plane = planes[k];

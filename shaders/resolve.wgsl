@@ -13,7 +13,14 @@ fn at(position: vec4<f32>) -> vec4<f32> {
     return textureLoad(accumulated, vec2<u32>(position.xy), 0);
 }
 
-// Light with its opacity; optical depths.
+// Light with its opacity, and what shines through it.
+@fragment
+fn light(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    let front = at(position);
+    return front + (1.0 - front.a) * behind(position);
+}
+
+// Light of bands; optical depths, which end at what lies behind.
 @fragment
 fn as_it_is(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     return at(position);
@@ -22,19 +29,20 @@ fn as_it_is(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
 @fragment
 fn absorption(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let depths = at(position);
-    return vec4<f32>(exp_neg(depths.r), exp_neg(depths.g), exp_neg(depths.b), exp_neg(depths.a));
+    let shown = 1.0 - behind(position).a;
+    return shown * vec4<f32>(exp_neg(depths.r), exp_neg(depths.g), exp_neg(depths.b), exp_neg(depths.a));
 }
 
 @fragment
 fn emission(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    return vec4<f32>(at(position).rgb, 0.0);
+    return vec4<f32>(at(position).rgb, 0.0) + behind(position);
 }
 
 @fragment
 fn mip(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let largest = at(position);
     if largest.a == 0.0 {
-        return vec4<f32>(0.0);
+        return behind(position);
     }
     let s = largest.r / frame.s_scale + frame.s_middle;
     return vec4<f32>(color_at(pieces[piece_of(s)], s), 1.0);

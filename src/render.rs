@@ -6,6 +6,7 @@ mod band_arrays;
 mod bands;
 #[cfg(feature = "gpu")]
 mod gpu;
+mod opaque;
 mod order;
 mod profiled;
 mod scene;
@@ -22,6 +23,7 @@ use crate::backends::{Counts, Frame};
 use crate::camera::Camera;
 use crate::columns::Dataset;
 use crate::error::{Error, Result};
+use crate::geometry::GeometryOptions;
 use crate::image::{BandImage, Image};
 use crate::memory;
 #[cfg(feature = "gpu")]
@@ -30,7 +32,7 @@ use crate::optics::{
     Absorption, Averaged, BandDepths, BandLight, CullTable, Emission, EmissionAbsorption, Integral, Mip, Model, Optics,
     Output, Textured,
 };
-use crate::profile::{CellStats, OrderStats, Profile};
+use crate::profile::{CellStats, GeometryStats, OrderStats, Profile};
 use crate::stages::View;
 use crate::stages::fans::Faces;
 use crate::stages::sort::topological::Topological;
@@ -70,6 +72,8 @@ pub struct RenderOptions {
     pub memory_bytes: Option<u64>,
     /// Draw with this instruction set where the processor has it; the picture is the same.
     pub instruction_set: Option<InstructionSet>,
+    /// Opaque geometry of the mesh in the volume.
+    pub geometry: GeometryOptions,
 }
 
 impl Default for RenderOptions {
@@ -85,6 +89,7 @@ impl Default for RenderOptions {
             check_order: false,
             memory_bytes: None,
             instruction_set: None,
+            geometry: GeometryOptions::default(),
         }
     }
 }
@@ -102,6 +107,8 @@ pub struct Rendered {
     pub cells: CellStats,
     /// Triangles rasterised; none with footprints.
     pub triangles: u64,
+    /// Opaque geometry that was drawn.
+    pub geometry: GeometryStats,
     /// The order and how far it can be trusted.
     pub order: OrderStats,
     /// What each stage took.
@@ -184,6 +191,7 @@ impl Renderer {
     ) -> Result<Rendered> {
         self.check_options()?;
         self.check_bands(scene)?;
+        self.check_geometry(scene)?;
         let options = self.options;
         if let Some(backing) = &scene.dataset.backing {
             backing.check()?;
@@ -195,6 +203,8 @@ impl Renderer {
         let mut profile = Profile::default();
         let mut topological = std::mem::take(&mut self.topological);
         let order = self.order_frame(scene, &view, &mut topological, &mut profile);
+        // After the order, which may have found the exterior faces.
+        let opaque = self.opaque(scene, &view, &mut profile)?;
         let frame = Frame {
             dataset: &scene.dataset,
             field: &scene.field,
@@ -208,16 +218,19 @@ impl Renderer {
             tiles: None,
             faces: options.faces,
             stop_transmittance: options.stop_transmittance,
-            memory_bytes: options.memory_bytes,
+            memory_bytes: opaque::budget(&options, opaque.as_ref(), &view),
+            opaque: opaque.as_ref(),
         };
-        let (image, bands, counts) = draw(self, &frame, &mut profile)?;
+        let drawn = draw(self, &frame, &mut profile);
+        let (image, bands, counts) = drawn.map_err(|error| opaque::with_geometry(error, &options, &frame))?;
         let frame_ms = start.elapsed().as_secs_f64() * 1e3;
 
         let misordered_pairs = options.check_order.then(|| order::misordered_pairs(&frame));
         self.topological = topological;
         let cells = cell_stats(&scene.dataset, &counts, self.draws_fans());
         let order = self.order_stats(order, &counts, misordered_pairs);
-        Ok(Rendered { image, bands, cells, triangles: counts.triangles, order, profile, frame_ms })
+        let geometry = opaque::stats(opaque.as_ref(), &counts);
+        Ok(Rendered { image, bands, cells, triangles: counts.triangles, geometry, order, profile, frame_ms })
     }
 
     fn check_options(&self) -> Result<()> {
@@ -290,10 +303,12 @@ impl Renderer {
             self.gpu = Some(gpu);
             return drawn;
         }
-        self.draw_on_cpu(frame, profile)
+        let (mut image, counts) = self.draw_on_cpu(frame, profile)?;
+        self.put_behind(&mut image, frame);
+        Ok((image, counts))
     }
 
-    /// The same on the processor.
+    /// The same on the processor, without what opaque geometry looks like.
     fn draw_on_cpu(&mut self, frame: &Frame, profile: &mut Profile) -> Result<(Image, Counts)> {
         let pieces = frame.pieces;
         let RenderOptions { model, integral, output, .. } = self.options;
@@ -317,6 +332,10 @@ impl Renderer {
     }
 
     fn draw_with<O: Optics>(&mut self, frame: &Frame, optics: &O, profile: &mut Profile) -> Result<(Image, Counts)> {
+        if let Some(opaque) = frame.opaque {
+            // Before threads ask for it, who would wait for each other.
+            profile.time("geometry", || opaque.picture(frame.view));
+        }
         match self.options.cpu_method {
             // Tiles are what footprints are drawn in.
             _ if frame.tiles.is_some() => self.tiles.draw(frame, optics, profile),

@@ -9,6 +9,8 @@ mod common;
 mod container;
 #[path = "cli/errors.rs"]
 mod errors;
+#[path = "cli/geometry.rs"]
+mod geometry;
 #[cfg(feature = "gpu")]
 #[path = "cli/gpu.rs"]
 mod gpu;

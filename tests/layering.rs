@@ -11,14 +11,14 @@ use std::path::{Path, PathBuf};
 const TIERS: &[&[&str]] = &[
     &["error", "profile", "image", "camera", "atomic", "memory"],
     &["columns", "cells", "optics"],
-    &["io", "stages", "hierarchy", "generate"],
+    &["io", "stages", "hierarchy", "generate", "geometry"],
     &["backends", "depth_planes"],
     &["render"],
     &["cli", "capi", "main"],
 ];
 
 /// Pairs (user, used) within a tier: errors are everyone's, files are written through `atomic`, and columns know the faces
-/// of the kinds of cells.
+/// of the kinds of cells; a mesh's surface is its faces without a neighbour, which a sort finds too.
 const WITHIN: &[(&str, &str)] = &[
     ("profile", "error"),
     ("image", "error"),
@@ -30,6 +30,7 @@ const WITHIN: &[(&str, &str)] = &[
     ("profile", "memory"),
     ("image", "atomic"),
     ("columns", "cells"),
+    ("geometry", "stages"),
     ("main", "cli"),
 ];
 

@@ -7,7 +7,10 @@ pub mod cpu;
 mod draw_order;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+mod opaque;
 mod tiles;
+
+pub use opaque::{Opaque, OpaquePicture};
 
 use crate::columns::{Association, Dataset, Field};
 use crate::optics::{BandPiece, CullTable, Intervals, Pieces};
@@ -45,6 +48,8 @@ pub struct Frame<'a> {
     pub stop_transmittance: f32,
     /// What scene and frame may hold, mapped files aside; `None` for any amount.
     pub memory_bytes: Option<u64>,
+    /// Opaque geometry, which cuts every cell; a backend's picture does not show it where the caller puts it behind.
+    pub opaque: Option<&'a Opaque>,
 }
 
 /// Bytes of memory that a scene takes; columns that are used in place count nothing.
@@ -62,6 +67,11 @@ impl<'a> Frame<'a> {
     /// The values of cell data; `None` for point data, which the vertices carry.
     pub fn cell_values(&self) -> Option<&'a [f32]> {
         (self.field.association == Association::Cell).then_some(&self.field.values[..])
+    }
+
+    /// Opaque geometry as it shows, where there is any: rays end on it.
+    pub(crate) fn limits(&self) -> Option<&'a OpaquePicture> {
+        self.opaque.map(|opaque| opaque.picture(self.view))
     }
 }
 
@@ -84,6 +94,8 @@ pub struct Counts {
     pub violations: u64,
     /// Tiles parts of which were redone with their fragments sorted per pixel.
     pub tiles_redone: u64,
+    /// Bytes of opaque geometry that were sent to a GPU.
+    pub uploaded_bytes: u64,
 }
 
 impl Counts {
@@ -104,5 +116,6 @@ impl std::ops::AddAssign for Counts {
         self.triangles += other.triangles;
         self.violations += other.violations;
         self.tiles_redone += other.tiles_redone;
+        self.uploaded_bytes += other.uploaded_bytes;
     }
 }

@@ -45,6 +45,35 @@ pub(super) fn color(text: &str) -> Result<[f32; 3], String> {
     Ok(color.map(|channel| channel as f32))
 }
 
+/// A colour as displays take it, from 0 to 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Srgb(pub(super) [f32; 3]);
+
+impl Srgb {
+    /// The linear intensities.
+    pub(super) fn linear(self) -> [f32; 3] {
+        self.0.map(cellfan::image::linear_from_srgb)
+    }
+}
+
+/// `#rrggbb`, or `R,G,B` in sRGB.
+pub(super) fn srgb(text: &str) -> Result<Srgb, String> {
+    let Some(digits) = text.strip_prefix('#') else {
+        return color(text).map(Srgb).map_err(|problem| format!("{problem}, or #rrggbb"));
+    };
+    let is_whole = digits.len() == 6 && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
+    let number = u32::from_str_radix(digits, 16).ok().filter(|_| is_whole);
+    let number = number.ok_or("expected #rrggbb with six hexadecimal digits, such as #b4b8c0")?;
+    Ok(Srgb([16, 8, 0].map(|shift| (number >> shift & 0xff) as f32 / 255.0)))
+}
+
+/// A width in pixels.
+pub(super) fn pixels(text: &str) -> Result<f32, String> {
+    let most = cellfan::geometry::GeometryOptions::MAX_PX;
+    let expected = || format!("expected a width from 1 to {most} pixels");
+    text.parse().ok().filter(|px| (1.0..=most).contains(px)).ok_or_else(expected)
+}
+
 /// `WIDTHxHEIGHT` in pixels.
 pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
@@ -129,6 +158,18 @@ mod tests {
         for bad in ["", "64", "0x5", "5x0", "64x32769", "-1x5", "5 x 5", "5x5x5"] {
             assert!(size(bad).is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn colors_of_geometry_and_widths() {
+        assert_eq!(srgb("#ff8000"), Ok(Srgb([1.0, 128.0 / 255.0, 0.0])));
+        assert_eq!(srgb("0,0.5,1"), Ok(Srgb([0.0, 0.5, 1.0])));
+        assert!((Srgb([0.5, 1.0, 0.0]).linear()[0] - 0.214_041).abs() < 1e-5);
+        assert!(
+            ["", "#", "#fff", "#ff80000", "#gg0000", "#+f0000", "red", "2,0,0"].iter().all(|bad| srgb(bad).is_err())
+        );
+        assert_eq!(pixels("1.5"), Ok(1.5));
+        assert!(["0.5", "65", "-1", "nan", ""].iter().all(|bad| pixels(bad).is_err()));
     }
 
     #[test]

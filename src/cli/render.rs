@@ -11,7 +11,7 @@ use std::time::Instant;
 
 use cellfan::image::{Encoding, Format};
 use cellfan::optics::Output;
-use cellfan::profile::{Profile, Stats, peak_rss_bytes};
+use cellfan::profile::{GeometryStats, Profile, Stats, peak_rss_bytes};
 use cellfan::{Error, Image, Model, RenderOptions, Rendered, io};
 
 pub(super) use arguments::Arguments;
@@ -60,6 +60,7 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
     let stats = Stats {
         cells: last.cells.clone(),
         triangles: last.triangles,
+        geometry: GeometryStats { uploaded_bytes: frames.uploaded_bytes, ..last.geometry },
         order: last.order,
         before: setup.before,
         frame: Profile::median(&frames.profiles),
@@ -93,6 +94,8 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
 struct Frames {
     profiles: Vec<Profile>,
     times_ms: Vec<f64>,
+    /// Bytes of geometry that were sent to a GPU.
+    uploaded_bytes: u64,
     /// The last frame, without its picture.
     last: Option<Rendered>,
     are_blank: bool,
@@ -103,6 +106,7 @@ impl Frames {
         self.are_blank = rendered.covered_px(&options) == 0 && (self.are_blank || self.last.is_none());
         self.profiles.push(rendered.profile.clone());
         self.times_ms.push(rendered.frame_ms);
+        self.uploaded_bytes += rendered.geometry.uploaded_bytes;
         self.last = Some(Rendered { image: Image::filled(0, 0, [0.0; 4]), bands: None, ..rendered });
     }
 }

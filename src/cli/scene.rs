@@ -8,6 +8,7 @@ mod array;
 mod automatic;
 mod backend;
 mod bands;
+mod geometry;
 mod heap;
 mod memory;
 mod summary;
@@ -214,6 +215,7 @@ fn options(arguments: &Arguments) -> cellfan::Result<RenderOptions> {
         cpu_method: arguments.cpu_method,
         check_order: arguments.check_order,
         faces: arguments.faces,
+        geometry: arguments.geometry.options(),
         ..RenderOptions::default()
     })
 }

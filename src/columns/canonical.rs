@@ -23,7 +23,7 @@ pub fn canonical_from_point(points: &Points) -> Vec<u32> {
 }
 
 /// The same for vertices, of which a mesh has fewer bits: 16 bytes each while it runs.
-pub(super) fn canonical_from_vertex(positions: &[[f32; 3]]) -> Vec<u32> {
+pub(crate) fn canonical_from_vertex(positions: &[[f32; 3]]) -> Vec<u32> {
     canonical_by(positions.len(), |vertex| place(positions[vertex]))
 }
 

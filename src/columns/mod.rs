@@ -27,7 +27,7 @@ pub use bits::{BitColumn, BitView};
 pub(crate) use build::describe;
 pub use build::{CellMesh, Points, StructuredCells, TetMesh};
 pub use canonical::canonical_from_point;
-pub(crate) use canonical::place;
+pub(crate) use canonical::{canonical_from_vertex, place};
 pub use cell_source::{ArrayHead, CellSource};
 pub use column::{Column, SharedBytes};
 pub use dataset::{ArrayRanges, Block, BlockCells, BlockView, Bounds, CellCounts, Dataset, ValueRanges};

@@ -20,6 +20,7 @@ pub use bands::BandImage;
 pub use difference::ImageDifference;
 pub use format::{Encoding, Format, check_output};
 pub use frames::{FrameWriter, frame_path};
+pub use png::linear_from_srgb;
 
 use crate::atomic::write_atomically;
 use crate::{Error, Result};

@@ -63,7 +63,12 @@ fn srgb_from_linear(linear: f32) -> u8 {
 }
 
 /// The linear intensity of an sRGB value from 0 to 1; IEC 61966-2-1.
-fn linear_from_srgb(display: f32) -> f32 {
+///
+/// ```
+/// # use cellfan::image::linear_from_srgb;
+/// assert!((linear_from_srgb(0.5) - 0.21404).abs() < 1e-5);
+/// ```
+pub fn linear_from_srgb(display: f32) -> f32 {
     if display <= 0.040_45 { display / 12.92 } else { ((display + 0.055) / 1.055).powf(2.4) }
 }
 

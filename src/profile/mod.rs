@@ -35,7 +35,7 @@ pub use machine::{Machine, Program};
 pub use machine::{free_memory_bytes, load_average};
 pub use memory::{anonymous_bytes, peak_rss_bytes};
 pub use report::{FrameRecord, MeshRecord, Report, StageRecord, StageSummary, Views};
-pub use stats::{CellStats, Exactness, OrderStats, Stats};
+pub use stats::{CellStats, Exactness, GeometryStats, OrderStats, Stats};
 
 /// Target of the `tracing` events, at `trace` level, that tell what a pass took on a GPU: `name`, `begin_ns` and `end_ns` on the clock of
 /// [`trace`](mod@trace).

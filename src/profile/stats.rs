@@ -78,6 +78,21 @@ pub struct OrderStats {
     pub tiles_redone: u64,
 }
 
+/// Opaque geometry of one frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct GeometryStats {
+    /// Triangles that were drawn, from whichever side.
+    pub triangles: u64,
+    /// Lines.
+    pub lines: u64,
+    /// Points.
+    pub points: u64,
+    /// Bytes that their lists take, on the processor and on a GPU.
+    pub bytes: u64,
+    /// Bytes that were sent to a GPU: those of the lists that were not in its buffers.
+    pub uploaded_bytes: u64,
+}
+
 /// What one run of the renderer did.
 ///
 /// Its [`Display`](std::fmt::Display) is a table of the stages for a terminal.
@@ -87,6 +102,8 @@ pub struct Stats {
     pub cells: CellStats,
     /// Triangles drawn in the last frame; 0 for a backend without triangles.
     pub triangles: u64,
+    /// Opaque geometry in the last frame; bytes sent to a GPU for all frames.
+    pub geometry: GeometryStats,
     /// The order, in the last frame.
     pub order: OrderStats,
     /// Stages before the first frame: reading, ordering in space.
@@ -161,9 +178,10 @@ impl Stats {
 
 impl Serialize for Stats {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut record = serializer.serialize_struct("Stats", 14)?;
+        let mut record = serializer.serialize_struct("Stats", 15)?;
         record.serialize_field("cells", &self.cells)?;
         record.serialize_field("triangles", &self.triangles)?;
+        record.serialize_field("geometry", &self.geometry)?;
         record.serialize_field("order", &self.order)?;
         record.serialize_field("stages", &self.stages())?;
         record.serialize_field("frame_ms", &self.frame_ms())?;
@@ -217,6 +235,7 @@ mod tests {
                 by_class: vec![("two", 2), ("one", 4)],
             },
             triangles: 9,
+            geometry: GeometryStats { triangles: 4, lines: 3, points: 2, bytes: 240, uploaded_bytes: 240 },
             order: OrderStats {
                 kind: "topological",
                 exactness: Exactness::CyclesBroken(3),
@@ -243,7 +262,7 @@ mod tests {
         stats.frame.note_memory(Some(2048));
         stats.after.note_memory(Some(1024));
         assert_eq!(stats.cells.accounted(), stats.cells.total);
-        let expected = r#"{"cells":{"total":21,"drawn":6,"culled_transparent":5,"culled_outside":4,"degenerate":3,"invalid":2,"skipped":1,"by_class":{"two":2,"one":4}},"triangles":9,"order":{"kind":"topological","exactness":{"cycles_broken":3},"misordered_pairs":0,"cycles":3,"layers":43,"adjacency":"built","violations":null,"tiles_redone":7},"stages":{"read":{"ms":8.0,"bytes":640},"cull":{"ms":0.5,"bytes":12},"composite":{"ms":2.0,"bytes":0},"encode":{"ms":1.0,"bytes":64}},"frame_ms":2.5,"frames":[4.0,1.5,2.0,3.0],"backend":"cpu","adapter":null,"threads":2,"peak_rss_bytes":4096,"peak_anonymous_bytes":2048,"memory_bytes":8192,"size":[3840,1024],"region":[1280,0,2560,1024]}"#;
+        let expected = r#"{"cells":{"total":21,"drawn":6,"culled_transparent":5,"culled_outside":4,"degenerate":3,"invalid":2,"skipped":1,"by_class":{"two":2,"one":4}},"triangles":9,"geometry":{"triangles":4,"lines":3,"points":2,"bytes":240,"uploaded_bytes":240},"order":{"kind":"topological","exactness":{"cycles_broken":3},"misordered_pairs":0,"cycles":3,"layers":43,"adjacency":"built","violations":null,"tiles_redone":7},"stages":{"read":{"ms":8.0,"bytes":640},"cull":{"ms":0.5,"bytes":12},"composite":{"ms":2.0,"bytes":0},"encode":{"ms":1.0,"bytes":64}},"frame_ms":2.5,"frames":[4.0,1.5,2.0,3.0],"backend":"cpu","adapter":null,"threads":2,"peak_rss_bytes":4096,"peak_anonymous_bytes":2048,"memory_bytes":8192,"size":[3840,1024],"region":[1280,0,2560,1024]}"#;
         assert_eq!(serde_json::to_string(&stats).unwrap(), expected);
 
         let folder = tempfile::tempdir().unwrap();

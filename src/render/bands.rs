@@ -109,7 +109,11 @@ impl Renderer {
         let columns: Vec<BandColumn> = bands.iter().map(|&band| each[band].column()).collect();
         let optics = BandCells { columns: &columns, output: self.options.output };
         let frame = Frame { field: largest, bands: passes.first(), cull_table, ..*frame };
-        gathered.draw(bands, &frame, |frame| self.draw_with(frame, &optics, profile))
+        gathered.draw(bands, &frame, |frame| {
+            let (mut image, counts) = self.draw_with(frame, &optics, profile)?;
+            self.put_behind(&mut image, frame);
+            Ok((image, counts))
+        })
     }
 }
 
@@ -195,6 +199,7 @@ fn busier(a: Counts, b: Counts) -> Counts {
         violations: a.violations + b.violations,
         tiles_redone: a.tiles_redone + b.tiles_redone,
         triangles: a.triangles + b.triangles,
+        uploaded_bytes: a.uploaded_bytes + b.uploaded_bytes,
         ..counts
     }
 }

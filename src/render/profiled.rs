@@ -8,6 +8,7 @@ use super::{CpuMethod, RenderOptions, Rendered, Scene};
 use crate::backends::cpu::InstructionSet;
 use crate::camera::{Camera, Region};
 use crate::error::Result;
+use crate::geometry::GeometryOptions;
 use crate::optics::Model;
 use crate::profile::{FrameRecord, Machine, MeshRecord, Program, Report, Views};
 use crate::stages::fans::Faces;
@@ -101,7 +102,8 @@ impl RenderOptions {
             CpuMethod::Fans => "fans",
         };
         let faces = if self.faces == Faces::Fan { "fan" } else { "exact" };
-        let all: [(&str, Value); 10] = [
+        let GeometryOptions { surface, surface_faces, edges, points, line_px, point_px } = self.geometry;
+        let all: [(&str, Value); 16] = [
             ("model", self.model.to_string().into()),
             ("integral", self.integral.to_string().into()),
             ("output", self.output.name().into()),
@@ -111,6 +113,12 @@ impl RenderOptions {
             ("faces", faces.into()),
             ("check_order", self.check_order.into()),
             ("memory", self.memory_bytes.into()),
+            ("surface", surface.map(Vec::from).into()),
+            ("surface_faces", surface_faces.name().into()),
+            ("edges", edges.map(Vec::from).into()),
+            ("points", points.map(Vec::from).into()),
+            ("line_px", f64::from(line_px).into()),
+            ("point_px", f64::from(point_px).into()),
             ("instruction_set", self.instruction_set.map(InstructionSet::name).into()),
         ];
         all.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()

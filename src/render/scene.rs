@@ -3,6 +3,7 @@
 use std::sync::OnceLock;
 
 use super::band_arrays::BandArrays;
+use super::opaque::Lists;
 use crate::backends::scene_bytes;
 use crate::columns::{Dataset, Field};
 use crate::error::Result;
@@ -30,6 +31,8 @@ pub struct Scene {
     adjacency: OnceLock<Adjacency>,
     /// Counted when an order first asks for it.
     overlapping_faces: OnceLock<u64>,
+    /// Made when a frame first draws them.
+    pub(super) lists: Lists,
 }
 
 /// Where the extinctions of bands come from.
@@ -67,6 +70,7 @@ impl Scene {
             bands: None,
             adjacency: OnceLock::new(),
             overlapping_faces: OnceLock::new(),
+            lists: Lists::default(),
         }
     }
 
@@ -133,12 +137,18 @@ impl Scene {
     /// Bytes of memory that the scene takes; columns that are used in place, as those of a mapped file, count nothing.
     pub fn owned_bytes(&self) -> u64 {
         let adjacency = self.adjacency.get().map_or(0, Adjacency::owned_bytes);
-        scene_bytes(&self.dataset, &self.field, &self.vertices) + self.band_bytes() + adjacency
+        let scene = scene_bytes(&self.dataset, &self.field, &self.vertices);
+        scene + self.band_bytes() + adjacency + self.lists.bytes()
     }
 
     /// Which cells share a face; taken from the dataset or made at the first call.
     pub(super) fn adjacency(&self, profile: &mut Profile) -> &Adjacency {
         self.adjacency.get_or_init(|| profile.time("adjacency", || Adjacency::new(&self.dataset)))
+    }
+
+    /// The same where it is there already.
+    pub(super) fn known_adjacency(&self) -> Option<&Adjacency> {
+        self.adjacency.get()
     }
 
     /// Faces at which cells overlap; counted at the first call.

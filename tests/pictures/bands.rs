@@ -26,6 +26,7 @@ pub(crate) const DEPTH: RenderOptions = RenderOptions {
     check_order: false,
     memory_bytes: None,
     instruction_set: None,
+    geometry: cellfan::geometry::GeometryOptions::NONE,
 };
 
 /// Six bands over 0 to 1: rising, falling to 0, constant, with steps, a peak, nearly nothing.

@@ -10,11 +10,14 @@ mod check;
 #[path = "../common/mod.rs"]
 mod common;
 mod determinism;
+mod geometry;
 mod golden;
 #[cfg(feature = "gpu")]
 mod gpu;
 #[cfg(feature = "gpu")]
 mod gpu_bands;
+#[cfg(feature = "gpu")]
+mod gpu_geometry;
 #[cfg(feature = "gpu")]
 mod gpu_order;
 #[cfg(feature = "gpu")]
@@ -26,6 +29,7 @@ mod hexahedra;
 mod hostile;
 mod meshes;
 mod monoid;
+mod opaque;
 mod order;
 mod parity;
 mod polyhedron;

@@ -140,7 +140,7 @@ fn composite_hexahedron<O: Optics, S: Sink<O>>(
         hits.shade(optics, span, contributions, log);
         return;
     }
-    crossed.find((tile.frame.view, tile.first_px), hexahedron, footprint);
+    crossed.find((tile.frame.view, tile.first_px, tile.limits.as_deref()), hexahedron, footprint);
     for nth in 0..crossed.most() {
         if log.room() < PIXELS {
             send::<O, S>(kernels, log, sink);

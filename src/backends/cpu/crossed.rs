@@ -9,9 +9,9 @@ use glam::DVec3;
 
 use super::dispatch::Hexahedron;
 use super::hits::Hits;
-use super::tile::{BLOCK, BLOCKS_A_SIDE, TileFrame, origin_of};
+use super::tile::{BLOCK, BLOCKS, BLOCKS_A_SIDE, TileFrame, origin_of, place_of};
 use crate::columns::HexShape;
-use crate::optics::LANES;
+use crate::optics::{LANES, Lanes};
 use crate::stages::View;
 use crate::stages::footprints::hexahedra::{HexFootprint, TRIANGLES};
 
@@ -130,7 +130,7 @@ impl Crossed {
     #[inline(never)]
     pub(super) fn find(
         &mut self,
-        (view, first_px): (&View, [u32; 2]),
+        (view, first_px, limits): (&View, [u32; 2], Option<&[Lanes; BLOCKS]>),
         hexahedron: &Hexahedron<'_>,
         cell: &HexFootprint,
     ) {
@@ -166,6 +166,10 @@ impl Crossed {
                         .get(number)
                         .map_or(f64::from(cell.s_min), |&(gradient, constant)| gradient.dot(point(w)) + constant)
                 };
+                // Opaque geometry ends the ray.
+                let place = place_of(x, y);
+                let limit = limits.map_or(f64::INFINITY, |limits| depth_of(view, limits[place / LANES][place % LANES]));
+                let far = far.min(limit);
                 let (mut inside, mut nth) = (0_i32, 0);
                 let crossings = skin.crossings(view, position);
                 for two in crossings.windows(2) {
@@ -235,6 +239,15 @@ fn scalars(skin: &Skin, shape: HexShape, p: [DVec3; 8], s: [f64; 8]) -> ArrayVec
     }
     debug_assert_eq!(scalars.len(), skin.triangles.len());
     scalars
+}
+
+/// The depth of an inverse depth; infinite where a ray goes on.
+fn depth_of(view: &View, v: f32) -> f64 {
+    match (v > f32::NEG_INFINITY, view.is_perspective) {
+        (false, _) => f64::INFINITY,
+        (true, true) => 1.0 / f64::from(v),
+        (true, false) => -f64::from(v),
+    }
 }
 
 const _: () = assert!(LANES == BLOCK * BLOCK);

@@ -155,7 +155,7 @@ impl<'a> Band<'a> {
         let [low, high] = fan.s_range;
         let span = CellSpan::new(frame.intervals(), low, high);
         for triangle in Fan::TRIANGLES {
-            self.draw_triangle(frame.view, optics, (span, fan.s_range), triangle.map(|i| fan.vertex(i)));
+            self.draw_triangle(frame, optics, (span, fan.s_range), triangle.map(|i| fan.vertex(i)));
         }
     }
 
@@ -164,7 +164,7 @@ impl<'a> Band<'a> {
         let span = CellSpan::new(frame.intervals(), low, high);
         for triangle in cell.triangles() {
             let triangle = triangle.map(|vertex| (vertex.position_px, vertex.front, vertex.back));
-            self.draw_triangle(frame.view, optics, (span, cell.s_range), triangle);
+            self.draw_triangle(frame, optics, (span, cell.s_range), triangle);
         }
     }
 
@@ -180,7 +180,7 @@ impl<'a> Band<'a> {
                     let at = [(x - columns.start) as f64, (y - rows.start) as f64];
                     // Farthest first, each over what is there.
                     for part in cell.parts(frame.view, at).into_iter().rev() {
-                        if lanes.push(frame.view, self.place([x, y]), [x, y], part, [s_min, s_max]) {
+                        if lanes.push(frame, self.place([x, y]), [x, y], part, [s_min, s_max]) {
                             lanes.flush(optics, span, self);
                         }
                     }
@@ -193,7 +193,7 @@ impl<'a> Band<'a> {
     /// Rasterises one triangle by its edge functions, in f64: exact for vertices in f32 within the picture's precision.
     fn draw_triangle<O: Optics>(
         &mut self,
-        view: &View,
+        frame: &Frame,
         optics: &O,
         cell: (CellSpan, [f32; 2]),
         triangle: [([f32; 2], [f32; 2], [f32; 2]); 3],
@@ -229,9 +229,9 @@ impl<'a> Band<'a> {
                     let mix =
                         |end: usize, k: usize| -> f64 { (0..3).map(|i| weights[i] * f64::from(ends[i][end][k])).sum() };
                     let depth_and_value =
-                        |[v, q]: [f64; 2]| if view.is_perspective { [1.0 / v, q / v] } else { [-v, q] };
+                        |[v, q]: [f64; 2]| if frame.view.is_perspective { [1.0 / v, q / v] } else { [-v, q] };
                     let part = [0, 1].map(|end| depth_and_value([mix(end, 0), mix(end, 1)]));
-                    if lanes.push(view, self.place([x, y]), [x, y], part, cell.1) {
+                    if lanes.push(frame, self.place([x, y]), [x, y], part, cell.1) {
                         lanes.flush(optics, cell.0, self);
                     }
                 }
@@ -260,13 +260,20 @@ impl LaneBuffer {
     /// Adds a fragment, a segment between two depths with their values; true when the buffer is full.
     fn push(
         &mut self,
-        view: &View,
+        frame: &Frame,
         place: Option<usize>,
         [x, y]: [usize; 2],
         [[w0, s0], [w1, s1]]: [[f64; 2]; 2],
         [s_min, s_max]: [f32; 2],
     ) -> bool {
-        let clip = |w: f64| w.clamp(f64::from(view.near), f64::from(view.far));
+        let view = frame.view;
+        let far = match frame.limits().map(|picture| f64::from(picture.limit(x, y))) {
+            Some(limit) if limit > f64::NEG_INFINITY => {
+                f64::from(view.far).min(if view.is_perspective { 1.0 / limit } else { -limit })
+            }
+            _ => f64::from(view.far),
+        };
+        let clip = |w: f64| w.clamp(far.min(view.near.into()), far);
         let (clipped0, clipped1) = (clip(w0), clip(w1));
         // Where a plane cuts the segment, the value there: linear along the ray.
         let value = |w: f64| if w1 > w0 { s0 + (s1 - s0) * (w - w0) / (w1 - w0) } else { s0 };

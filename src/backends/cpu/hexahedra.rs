@@ -22,6 +22,8 @@ pub(super) struct HexHits {
     leave_through: Box<Packed>,
     x: Box<Packed>,
     y: Box<Packed>,
+    /// Inverse depth at which the ray ends on opaque geometry, where there is any.
+    limit: Box<Packed>,
     /// The surfaces of the cell at hand.
     fronts: Box<[SurfaceLanes; TRIANGLES]>,
     backs: Box<[SurfaceLanes; TRIANGLES]>,
@@ -29,9 +31,9 @@ pub(super) struct HexHits {
 
 impl Default for HexHits {
     fn default() -> Self {
-        let [enter_through, leave_through, x, y] = [(); 4].map(|()| Box::new(NO_RAYS));
+        let [enter_through, leave_through, x, y, limit] = [(); 5].map(|()| Box::new(NO_RAYS));
         let [fronts, backs] = [(); 2].map(|()| Box::new([SurfaceLanes::default(); TRIANGLES]));
-        Self { enter_through, leave_through, x, y, fronts, backs }
+        Self { enter_through, leave_through, x, y, limit, fronts, backs }
     }
 }
 
@@ -83,6 +85,9 @@ pub(super) fn meet(hits: &mut Hits, tile: &TileFrame, cell: &HexFootprint, simd:
     } else {
         hits.cut_hexahedron::<false>(cell);
     }
+    if tile.limits.is_some() {
+        hits.end_at_limits(tile.is_perspective());
+    }
 }
 
 impl Hits {
@@ -124,11 +129,19 @@ impl Hits {
                     v_leave[i] = max(v_leave[i], cell.v_min);
                     is_hit[i] = mask(v_enter[i] > v_leave[i]);
                 }
+                if let Some(limits) = &tile.limits {
+                    for i in 0..LANES {
+                        is_hit[i] &= mask(v_enter[i] > limits[block][i]);
+                    }
+                }
                 let hit = simd.bits(&is_hit);
                 self.begin_block(blocks, block, hit);
                 put(&mut self.v_enter, rays, &simd.compress(hit, &v_enter));
                 put(&mut self.v_leave, rays, &simd.compress(hit, &v_leave));
                 put(&mut self.length_world_per_depth, rays, &simd.compress(hit, &tile.length_world_per_depth[block]));
+                if let Some(limits) = &tile.limits {
+                    put(&mut self.of_hexahedron.limit, rays, &simd.compress(hit, &limits[block]));
+                }
                 if cell.s_min < cell.s_max {
                     let at = |axis: &Lanes, first: f32| axis.map(|offset| first + offset);
                     let of = &mut self.of_hexahedron;
@@ -142,6 +155,22 @@ impl Hits {
             }
         }
         self.end_blocks(blocks, rays, cell.v_max);
+    }
+
+    /// Ends segments where their rays end: the value is linear along the ray between entry and exit.
+    fn end_at_limits(&mut self, is_perspective: bool) {
+        let depth = |v: f32| if is_perspective { 1.0 / v } else { -v };
+        for ray in 0..self.rays {
+            let (v, limit) = ([self.v_enter[ray], self.v_leave[ray]], self.of_hexahedron.limit[ray]);
+            if limit > v[1] {
+                let [w0, w1, w_limit] = [v[0], v[1], limit].map(depth);
+                let (segments, lane) = (&mut self.segments[ray / LANES], ray % LANES);
+                let (enter, leave) = (segments.enter[lane], segments.leave[lane]);
+                segments.leave[lane] = enter + (leave - enter) * ((w_limit - w0) / (w1 - w0));
+                let product = if is_perspective { v[0] * limit } else { 1.0 };
+                segments.length_world[lane] = (v[0] - limit) / product * self.length_world_per_depth[ray];
+            }
+        }
     }
 
     #[inline(always)]

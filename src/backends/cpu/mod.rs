@@ -21,6 +21,7 @@ mod crossed;
 mod dispatch;
 mod fans;
 mod gather;
+pub(super) mod geometry;
 mod grid;
 mod hexahedra;
 mod hits;

@@ -212,6 +212,9 @@ impl TetHits {
                     v_leave = simd.max(v, v_leave);
                 }
             }
+            if let Some(limits) = &tile.limits {
+                v_leave = simd.max(simd.load(&limits[block]), v_leave);
+            }
             let varying = on(affine[4]);
             let lanes = simd.bits_where_less(v_leave, v_enter);
             let ray = end.fragments;
@@ -287,7 +290,8 @@ impl TetHits {
             for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
                 let v = [log.v_enter(run.first + ray)[0], self.v_leave[run.first + ray]];
                 let segments = &mut self.segments[run.vector + ray / LANES];
-                let [enter, leave] = steep.values::<PERSPECTIVE>([columns[lane], rows[lane]], v);
+                let is_cut = tile.limits.as_ref().is_some_and(|limits| v[1] <= limits[block][lane]);
+                let [enter, leave] = steep.values::<PERSPECTIVE>([columns[lane], rows[lane]], v, is_cut);
                 segments.enter[ray % LANES] = enter.unwrap_or(segments.enter[ray % LANES]);
                 segments.leave[ray % LANES] = leave.unwrap_or(segments.leave[ray % LANES]);
                 ray += 1;

@@ -5,8 +5,8 @@
     reason = "kernels must inline into the function compiled for wider vectors, and their loops over lanes become vector code"
 )]
 
-use crate::backends::Frame;
 use crate::backends::cpu::bins::TILE;
+use crate::backends::{Frame, OpaquePicture};
 use crate::optics::{LANES, Lanes};
 use crate::stages::View;
 use crate::stages::footprints::planes::TileRays;
@@ -76,6 +76,8 @@ pub(super) struct TileFrame<'a> {
     pub(super) length_world_per_depth: [Lanes; BLOCKS],
     /// The largest of them.
     length_world_per_depth_max: f32,
+    /// Inverse depth at which rays end on opaque geometry, where there is any.
+    pub(super) limits: Option<Box<[Lanes; BLOCKS]>>,
 }
 
 impl<'a> TileFrame<'a> {
@@ -96,6 +98,7 @@ impl<'a> TileFrame<'a> {
             lanes: LaneGrid::new(),
             length_world_per_depth,
             length_world_per_depth_max: largest,
+            limits: frame.limits().map(|picture| limits_of(picture, [x, y])),
         }
     }
 
@@ -109,4 +112,17 @@ impl<'a> TileFrame<'a> {
     pub(super) fn is_perspective(&self) -> bool {
         self.frame.view.is_perspective
     }
+}
+
+/// Where the rays of the tile at `first_px` end.
+fn limits_of(picture: &OpaquePicture, first_px: [u32; 2]) -> Box<[Lanes; BLOCKS]> {
+    let [first_x, first_y] = first_px.map(|first| first as usize);
+    let mut limits = Box::new([[f32::NEG_INFINITY; LANES]; BLOCKS]);
+    for (block, lanes) in limits.iter_mut().enumerate() {
+        for (lane, limit) in lanes.iter_mut().enumerate() {
+            let [column, row] = pixel_of(block, lane);
+            *limit = picture.limit(first_x + column, first_y + row);
+        }
+    }
+    limits
 }

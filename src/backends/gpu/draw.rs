@@ -9,6 +9,7 @@ use crossbeam_channel::bounded;
 
 use super::Gpu;
 use super::accumulate::{BYTES_PER_PIXEL, PICTURE_FORMAT, Targets};
+use super::geometry::GpuGeometry;
 use super::late::{Late, LateTiles};
 use super::pipelines::{Draw, Pipelines};
 use super::readback::Readback;
@@ -31,6 +32,9 @@ pub struct GpuCompositor {
     pipelines: Option<Pipelines>,
     targets: Option<(Targets, Readback, Ring)>,
     late: Option<LateTiles>,
+    geometry: Option<GpuGeometry>,
+    /// Device memory that geometry takes beside the targets.
+    geometry_bytes: u64,
     timestamps: Option<Timestamps>,
 }
 
@@ -44,6 +48,11 @@ fn is_checked(frame: &Frame, shading: Shading) -> bool {
     frame.is_exact && !shading.model.is_order_free()
 }
 
+/// What binds the geometry of a frame that has some.
+fn bound<'a>(geometry: Option<&'a GpuGeometry>, frame: &Frame) -> Option<&'a wgpu::BindGroup> {
+    geometry.filter(|_| frame.opaque.is_some()).and_then(GpuGeometry::binding)
+}
+
 /// Bytes of the ring below which a slice is not worth its submission.
 const RING_BYTES_MIN: u64 = 1 << 16;
 
@@ -54,7 +63,17 @@ impl GpuCompositor {
     /// Draws on `gpu` with at most `memory_bytes` of device memory.
     pub fn new(gpu: Gpu, memory_bytes: u64) -> Self {
         let timestamps = Timestamps::new(&gpu);
-        Self { gpu, order: DrawOrder::default(), memory_bytes, pipelines: None, targets: None, late: None, timestamps }
+        Self {
+            gpu,
+            order: DrawOrder::default(),
+            memory_bytes,
+            pipelines: None,
+            targets: None,
+            late: None,
+            geometry: None,
+            geometry_bytes: 0,
+            timestamps,
+        }
     }
 
     /// The device it draws on.
@@ -83,7 +102,7 @@ impl GpuCompositor {
         pipelines.resolve(
             &self.gpu,
             PICTURE_FORMAT,
-            &targets.accumulated,
+            (&targets.accumulated, bound(self.geometry.as_ref(), frame)),
             &view,
             self.timestamps.as_mut(),
             &mut encoder,
@@ -121,13 +140,14 @@ impl GpuCompositor {
             return Err(self.gpu.failed("has no picture"));
         };
         self.gpu.make(|| {
-            pipelines.prepare_resolve(&self.gpu, texture.format());
+            pipelines.prepare_resolve(&self.gpu, texture.format(), frame.opaque.is_some());
             Ok(())
         })?;
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let timestamps = self.timestamps.as_mut();
-        pipelines.resolve(&self.gpu, texture.format(), &targets.accumulated, &view, timestamps, &mut encoder);
+        let accumulated = (&targets.accumulated, bound(self.geometry.as_ref(), frame));
+        pipelines.resolve(&self.gpu, texture.format(), accumulated, &view, timestamps, &mut encoder);
         self.submit_and_time(encoder, |_| {}, profile)?;
         Ok(counts)
     }
@@ -172,14 +192,17 @@ impl GpuCompositor {
         let gpu = self.gpu.clone();
         gpu.make(|| self.prepare(frame, shading))?;
         profile.add("prepare", start.elapsed(), 0);
+        let uploaded_bytes = self.draw_geometry(frame, profile)?;
         let mut counts = self.order.find(frame, !shading.model.is_order_free(), profile);
+        counts.uploaded_bytes = uploaded_bytes;
+        let opaque = bound(self.geometry.as_ref(), frame);
         let (Some(pipelines), Some((targets, _, ring))) = (&mut self.pipelines, &self.targets) else {
             return Err(self.gpu.failed("has no picture"));
         };
         let (gpu, order, mut timestamps) = (&self.gpu, &self.order, self.timestamps.as_mut());
         let input = order.fan_input(frame, pipelines.planes_for());
         let late = self.late.as_ref().filter(|_| is_checked(frame, shading));
-        let draw = Draw { contents: input.contents(), is_checked: late.is_some() };
+        let draw = Draw { contents: input.contents(), is_checked: late.is_some(), is_ended: opaque.is_some() };
         gpu.make(|| {
             pipelines.prepare_draw(gpu, draw);
             Ok(())
@@ -190,8 +213,9 @@ impl GpuCompositor {
         }
         let (filled, to_submit) = bounded(1);
         let drawn = std::thread::scope(|scope| {
-            let submitter = scope
-                .spawn(move || Submitter { gpu, pipelines, targets, ring, timestamps, draw, late }.run(&to_submit));
+            let submitter = scope.spawn(move || {
+                Submitter { gpu, pipelines, targets, ring, timestamps, draw, late, opaque }.run(&to_submit)
+            });
             let mut is_whole = true;
             for slice in order.slices(&input, ring.capacity) {
                 let start = Instant::now();
@@ -233,6 +257,25 @@ impl GpuCompositor {
         Ok(counts)
     }
 
+    /// Sends the frame's geometry where it is new, and has it drawn before the volume; the bytes that were sent.
+    fn draw_geometry(&mut self, frame: &Frame, profile: &mut Profile) -> Result<u64> {
+        let Some(opaque) = frame.opaque else { return Ok(0) };
+        let start = Instant::now();
+        let gpu = self.gpu.clone();
+        let mut sent_bytes = 0;
+        gpu.make(|| {
+            let Some(pipelines) = &self.pipelines else { return Ok(()) };
+            let geometry = self.geometry.get_or_insert_with(|| GpuGeometry::new(&gpu));
+            sent_bytes = geometry.prepare(&gpu, frame, opaque, &pipelines.texture_layout);
+            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            geometry.draw(&mut encoder);
+            gpu.queue.submit([encoder.finish()]);
+            Ok(())
+        })?;
+        profile.add("geometry", start.elapsed(), sent_bytes);
+        Ok(sent_bytes)
+    }
+
     /// Makes what the frame needs and the last one did not have.
     fn prepare(&mut self, frame: &Frame, shading: Shading) -> Result<()> {
         let gpu = &self.gpu;
@@ -241,10 +284,12 @@ impl GpuCompositor {
         }
         let Some(pipelines) = &mut self.pipelines else { return Ok(()) };
         pipelines.write_frame(gpu, frame)?;
-        pipelines.prepare_resolve(gpu, PICTURE_FORMAT);
+        pipelines.prepare_resolve(gpu, PICTURE_FORMAT, frame.opaque.is_some());
         let region = frame.view.region;
         let size_px = region.size_px();
-        if self.targets.as_ref().is_none_or(|(targets, ..)| targets.size_px != size_px) {
+        let geometry_bytes = frame.opaque.map_or(0, |opaque| GpuGeometry::device_bytes(opaque, size_px));
+        let is_of_size = self.targets.as_ref().is_some_and(|(targets, ..)| targets.size_px == size_px);
+        if !is_of_size || geometry_bytes != self.geometry_bytes {
             let [width, height] = size_px;
             let limits = gpu.device.limits();
             let side = limits.max_texture_dimension_2d;
@@ -256,7 +301,7 @@ impl GpuCompositor {
                 );
                 return Err(Error::Option { option: "--size", problem });
             }
-            let picture = u64::from(width) * u64::from(height) * BYTES_PER_PIXEL;
+            let picture = u64::from(width) * u64::from(height) * BYTES_PER_PIXEL + geometry_bytes;
             let left = self.memory_bytes.saturating_sub(picture);
             if left < RING_BYTES_MIN {
                 let needed = picture + RING_BYTES_MIN;
@@ -266,6 +311,7 @@ impl GpuCompositor {
             self.targets = None;
             let ring = Ring::new(gpu, &pipelines.fans_layout, left)?;
             self.targets = Some((Targets::new(gpu, size_px), Readback::new(gpu, size_px), ring));
+            self.geometry_bytes = geometry_bytes;
         }
         if is_checked(frame, shading) && self.late.as_ref().is_none_or(|late| !late.is_for(region)) {
             self.late = Some(LateTiles::new(gpu, &pipelines.late_layout, region));

@@ -2,8 +2,9 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::backends::Frame;
 use crate::backends::tiles::TileGrid;
+use crate::backends::{Frame, Opaque};
+use crate::geometry::{Layer, SurfaceFaces};
 use crate::optics::texture::OpacityTexture;
 use crate::optics::{BandPiece, LinearPiece, Pieces};
 use crate::stages::View;
@@ -111,6 +112,78 @@ impl FrameUniform {
             first_px: [view.region.x0 as f32, view.region.y0 as f32],
             tile_columns,
             first_tile: tiles.rows.start * tile_columns + tiles.columns.start,
+        }
+    }
+}
+
+/// `Geometry` of `shaders/geometry.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(super) struct GeometryUniform {
+    pub(super) eye: [f32; 3],
+    pub(super) is_perspective: u32,
+    pub(super) forward: [f32; 3],
+    pub(super) near: f32,
+    pub(super) to_x: [f32; 3],
+    pub(super) center_x: f32,
+    pub(super) to_y: [f32; 3],
+    pub(super) center_y: f32,
+    pub(super) first: [f32; 3],
+    pub(super) v_far: f32,
+    pub(super) step_x: [f32; 3],
+    pub(super) v_near: f32,
+    pub(super) step_y: [f32; 3],
+    pub(super) setback_px: f32,
+    pub(super) color: [f32; 3],
+    pub(super) width_px: f32,
+    pub(super) ndc_scale: [f32; 2],
+    pub(super) ndc_offset: [f32; 2],
+    pub(super) size_px: [f32; 2],
+    pub(super) z_scale: f32,
+    pub(super) z_offset: f32,
+    pub(super) first_px: [f32; 2],
+    pub(super) has_back_only: u32,
+    padding: u32,
+}
+
+impl GeometryUniform {
+    pub(super) fn new(frame: &Frame, opaque: &Opaque, layer: &Layer) -> Self {
+        let view = frame.view;
+        let narrow = |v: glam::DVec3| v.as_vec3().to_array();
+        let (to_x, to_y) = (view.step_x / view.step_x.length_squared(), view.step_y / view.step_y.length_squared());
+        let (v_far, v_near) = view.inverse_depth_range();
+        let of_frame = FrameUniform::new(frame, Texels::default(), (0.0, 1.0));
+        // Compared is v · near, or what is in the middle of 0 to 1, so that nothing is clipped that a rounding moves out.
+        let (z_scale, z_offset) = if view.is_perspective {
+            (view.near, 0.0)
+        } else {
+            (0.5 * of_frame.order_scale, 0.5 * of_frame.order_offset + 0.25)
+        };
+        Self {
+            eye: narrow(view.eye),
+            is_perspective: view.is_perspective.into(),
+            forward: narrow(view.forward),
+            near: view.near,
+            to_x: narrow(to_x),
+            center_x: -view.corner.dot(to_x) as f32,
+            to_y: narrow(to_y),
+            center_y: -view.corner.dot(to_y) as f32,
+            first: narrow(view.corner + if view.is_perspective { view.forward } else { view.eye }),
+            v_far: finite(v_far),
+            step_x: narrow(view.step_x),
+            v_near: finite(v_near),
+            step_y: narrow(view.step_y),
+            setback_px: opaque.setback_px(),
+            color: layer.color,
+            width_px: layer.width_px,
+            ndc_scale: of_frame.ndc_scale,
+            ndc_offset: of_frame.ndc_offset,
+            size_px: view.size_px.map(|side| side as f32),
+            z_scale,
+            z_offset,
+            first_px: of_frame.first_px,
+            has_back_only: (layer.faces == SurfaceFaces::Back).into(),
+            padding: 0,
         }
     }
 }

@@ -23,6 +23,8 @@ const FANS_PER_DRAW: usize = 1 << 13;
 pub(super) struct Draw {
     pub(super) contents: Contents,
     pub(super) is_checked: bool,
+    /// Whether opaque geometry ends rays.
+    pub(super) is_ended: bool,
 }
 
 /// Everything but textures and fans.
@@ -40,9 +42,10 @@ pub(super) struct Pipelines {
     bound: Option<Bound>,
     pub(super) fans_layout: wgpu::BindGroupLayout,
     pub(super) late_layout: wgpu::BindGroupLayout,
-    accumulated_layout: wgpu::BindGroupLayout,
-    resolve_module: wgpu::ShaderModule,
-    resolve: Vec<(TextureFormat, wgpu::RenderPipeline)>,
+    /// A texture that is read pixel by pixel.
+    pub(super) texture_layout: wgpu::BindGroupLayout,
+    /// By format, and whether there is opaque geometry behind the picture.
+    resolve: Vec<((TextureFormat, bool), wgpu::RenderPipeline)>,
 }
 
 /// A transfer function that is bound.
@@ -79,19 +82,14 @@ impl Pipelines {
             "late tiles",
             &[wgpu::BindGroupLayoutEntry { visibility: ShaderStages::FRAGMENT, ..buffer_entry(0, written) }],
         );
-        let accumulated = wgpu::BindingType::Texture {
+        let texture = wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Float { filterable: false },
             view_dimension: wgpu::TextureViewDimension::D2,
             multisampled: false,
         };
-        let accumulated_layout = layout(
-            "accumulated",
-            &[wgpu::BindGroupLayoutEntry {
-                binding: 0,
-                visibility: ShaderStages::FRAGMENT,
-                ty: accumulated,
-                count: None,
-            }],
+        let texture_layout = layout(
+            "texture",
+            &[wgpu::BindGroupLayoutEntry { binding: 0, visibility: ShaderStages::FRAGMENT, ty: texture, count: None }],
         );
         let frame = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("frame"),
@@ -110,8 +108,7 @@ impl Pipelines {
             bound: None,
             fans_layout,
             late_layout,
-            accumulated_layout,
-            resolve_module: shaders::module(device, "resolve", shaders::resolve_text()),
+            texture_layout,
             resolve: Vec::new(),
         }
     }
@@ -164,18 +161,19 @@ impl Pipelines {
         if self.draw.iter().any(|(known, _)| *known == draw) {
             return;
         }
-        let Draw { contents, is_checked } = draw;
-        let mut layouts = vec![&self.frame_layout, &self.fans_layout];
-        let mut fragment = "fragment";
-        if is_checked {
-            layouts.push(&self.late_layout);
-            fragment = "fragment_in_order";
-        }
+        let Draw { contents, is_checked, is_ended } = draw;
+        let fragment = if is_checked { "fragment_in_order" } else { "fragment" };
+        let layouts = [
+            Some(&self.frame_layout),
+            Some(&self.fans_layout),
+            is_checked.then_some(&self.late_layout),
+            is_ended.then_some(&self.texture_layout),
+        ];
         let target = (accumulated_format(gpu), Some(blend_state(self.shaders.blend)));
         let has_hexahedra = contents.whole_cells == Some(Faces::Exact);
         let constants = [("HAS_HEXAHEDRA", f64::from(u8::from(has_hexahedra)))];
         let vertex = if contents.whole_cells == Some(Faces::Fan) { "vertex_of_triangle" } else { "vertex" };
-        let module = shaders::module(&gpu.device, "fans", self.shaders.draw_text(contents));
+        let module = shaders::module(&gpu.device, "fans", self.shaders.draw_text(contents, is_ended));
         let shader = Shader { module: &module, vertex, fragment, constants: &constants };
         let depth = is_checked.then(|| depth_stencil_state(gpu));
         self.draw.push((draw, pipeline(gpu, &layouts, shader, target, depth)));
@@ -186,7 +184,7 @@ impl Pipelines {
         &self,
         slot: &wgpu::BindGroup,
         (fans, draw): (usize, Draw),
-        (is_first, late): (bool, Option<&LateTiles>),
+        (is_first, late, opaque): (bool, Option<&LateTiles>, Option<&wgpu::BindGroup>),
         accumulated: &wgpu::TextureView,
         timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
         encoder: &mut wgpu::CommandEncoder,
@@ -203,6 +201,9 @@ impl Pipelines {
         pass.set_bind_group(1, slot, &[]);
         if let Some(late) = late {
             pass.set_bind_group(2, &late.binding, &[]);
+        }
+        if opaque.is_some() {
+            pass.set_bind_group(3, opaque, &[]);
         }
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
         let contents = draw.contents;
@@ -229,14 +230,16 @@ impl Pipelines {
     }
 
     /// Makes sure that pictures of `format` can be resolved.
-    pub(super) fn prepare_resolve(&mut self, gpu: &Gpu, format: TextureFormat) {
-        if self.resolve.iter().any(|(known, _)| *known == format) {
+    pub(super) fn prepare_resolve(&mut self, gpu: &Gpu, format: TextureFormat, has_behind: bool) {
+        if self.resolve.iter().any(|(known, _)| *known == (format, has_behind)) {
             return;
         }
-        let layouts = [&self.frame_layout, &self.accumulated_layout];
-        let (module, fragment) = (&self.resolve_module, self.shaders.resolve);
+        let layouts =
+            [Some(&self.frame_layout), Some(&self.texture_layout), has_behind.then_some(&self.texture_layout)];
+        let module = &shaders::module(&gpu.device, "resolve", shaders::resolve_text(has_behind));
+        let fragment = self.shaders.resolve;
         let shader = Shader { module, vertex: "whole_picture", fragment, constants: &[] };
-        self.resolve.push((format, pipeline(gpu, &layouts, shader, (format, None), None)));
+        self.resolve.push(((format, has_behind), pipeline(gpu, &layouts, shader, (format, None), None)));
     }
 
     /// Makes the picture of what was accumulated.
@@ -244,15 +247,17 @@ impl Pipelines {
         &self,
         gpu: &Gpu,
         format: TextureFormat,
-        accumulated: &wgpu::TextureView,
+        (accumulated, behind): (&wgpu::TextureView, Option<&wgpu::BindGroup>),
         picture: &wgpu::TextureView,
         timestamps: Option<&mut Timestamps>,
         encoder: &mut wgpu::CommandEncoder,
     ) {
-        let Some((_, pipeline)) = self.resolve.iter().find(|(known, _)| *known == format) else { return };
+        let Some((_, pipeline)) = self.resolve.iter().find(|(known, _)| *known == (format, behind.is_some())) else {
+            return;
+        };
         let binding = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("accumulated"),
-            layout: &self.accumulated_layout,
+            layout: &self.texture_layout,
             entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(accumulated) }],
         });
         let load = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
@@ -260,6 +265,9 @@ impl Pipelines {
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, self.frame_binding.as_ref(), &[]);
         pass.set_bind_group(1, &binding, &[]);
+        if behind.is_some() {
+            pass.set_bind_group(2, behind, &[]);
+        }
         pass.draw(0..3, 0..1);
     }
 }
@@ -287,7 +295,7 @@ fn indices() -> Vec<u16> {
 }
 
 /// A buffer with `contents`, whose length is a multiple of 4. (The library's own function panics on a device that is gone.)
-fn buffer_of(gpu: &Gpu, label: &str, usage: BufferUsages, contents: &[u8]) -> wgpu::Buffer {
+pub(super) fn buffer_of(gpu: &Gpu, label: &str, usage: BufferUsages, contents: &[u8]) -> wgpu::Buffer {
     let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
         size: contents.len() as u64,
@@ -344,15 +352,14 @@ struct Shader<'a> {
 /// A pipeline that draws triangles into `(format, blend)`.
 fn pipeline(
     gpu: &Gpu,
-    layouts: &[&wgpu::BindGroupLayout],
+    layouts: &[Option<&wgpu::BindGroupLayout>],
     Shader { module, vertex, fragment, constants }: Shader<'_>,
     (format, blend): (TextureFormat, Option<wgpu::BlendState>),
     depth_stencil: Option<wgpu::DepthStencilState>,
 ) -> wgpu::RenderPipeline {
-    let layouts: Vec<_> = layouts.iter().map(|&layout| Some(layout)).collect();
     let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some(fragment),
-        bind_group_layouts: &layouts,
+        bind_group_layouts: layouts,
         immediate_size: 0,
     });
     let compilation_options =

@@ -3,7 +3,9 @@
 //! In: model, integral, what may stand among the fans. Out: WGSL text; a module of it. Release builds leave out the run-time checks of bounds and loops.
 #![expect(unsafe_code, reason = "shader modules without run-time checks")]
 
+use crate::backends::cpu::geometry::{LINE_SLACK_PX, SETBACK};
 use crate::backends::tiles::TILE_PX;
+use crate::geometry::AMBIENT;
 use crate::optics::{Integral, Model, Output, Shading, wgsl};
 use crate::stages::fans::{Contents, PlanesFor};
 
@@ -47,13 +49,13 @@ pub(super) fn of(Shading { model, integral, output, has_bands }: Shading) -> Mod
             (&[shader!("ramp"), shader!("band_light")], Blend::OverByChannel, "as_it_is")
         }
         (Model::EmissionAbsorption, Integral::Exact) => {
-            (&[shader!("light"), shader!("ramp"), shader!("emission_absorption")], Blend::Over, "as_it_is")
+            (&[shader!("light"), shader!("ramp"), shader!("emission_absorption")], Blend::Over, "light")
         }
         (Model::EmissionAbsorption, Integral::Average) => {
-            (&[shader!("light"), shader!("averaged"), shader!("ends")], Blend::Over, "as_it_is")
+            (&[shader!("light"), shader!("averaged"), shader!("ends")], Blend::Over, "light")
         }
         (Model::EmissionAbsorption, Integral::Texture) => {
-            (&[shader!("light"), shader!("textured"), shader!("ends")], Blend::Over, "as_it_is")
+            (&[shader!("light"), shader!("textured"), shader!("ends")], Blend::Over, "light")
         }
         (Model::Absorption, _) => match output {
             Output::Intensity => (depths, Blend::Add, "absorption"),
@@ -74,8 +76,8 @@ pub(super) fn of(Shading { model, integral, output, has_bands }: Shading) -> Mod
 }
 
 impl ModelShaders {
-    /// The shader that draws fans, and what `contents` says may stand among them.
-    pub(super) fn draw_text(&self, contents: Contents) -> String {
+    /// The shader that draws fans, and what `contents` says may stand among them; whether opaque geometry ends rays.
+    pub(super) fn draw_text(&self, contents: Contents, is_ended: bool) -> String {
         let requirements = if self.blend == Blend::OverByChannel { "enable dual_source_blending;" } else { "" };
         let constants = wgsl::constants();
         let tile = format!("const TILE_PX: u32 = {TILE_PX}u;");
@@ -84,6 +86,7 @@ impl ModelShaders {
             &constants,
             &tile,
             shader!("frame"),
+            if is_ended { shader!("ended") } else { shader!("open") },
             self.pieces,
             shader!("intervals"),
             shader!("integral"),
@@ -105,10 +108,19 @@ impl ModelShaders {
     }
 }
 
-/// The shader that makes the picture.
-pub(super) fn resolve_text() -> String {
-    let common = [shader!("frame"), shader!("pieces"), shader!("intervals"), shader!("integral"), shader!("resolve")];
+/// The shader that makes the picture, opaque geometry behind it or not.
+pub(super) fn resolve_text(has_behind: bool) -> String {
+    let behind = if has_behind { shader!("behind") } else { shader!("nothing_behind") };
+    let common =
+        [shader!("frame"), shader!("pieces"), shader!("intervals"), shader!("integral"), behind, shader!("resolve")];
     [wgsl::constants(), common.join("\n")].join("\n")
+}
+
+/// The shader that draws opaque geometry.
+pub(super) fn geometry_text() -> String {
+    let constants = [("AMBIENT", AMBIENT), ("SETBACK", SETBACK), ("LINE_SLACK_PX", LINE_SLACK_PX)];
+    let constants = constants.map(|(name, value)| format!("const {name}: f32 = {value:e};")).join("\n");
+    [&wgsl::constants(), &constants, shader!("geometry"), shader!("strokes")].join("\n")
 }
 
 /// A module of `text`.

@@ -26,6 +26,8 @@ pub(super) struct Submitter<'a> {
     pub(super) draw: Draw,
     /// What checks the order, where it is checked.
     pub(super) late: Option<&'a LateTiles>,
+    /// Opaque geometry, where it ends rays.
+    pub(super) opaque: Option<&'a wgpu::BindGroup>,
 }
 
 impl Submitter<'_> {
@@ -51,7 +53,7 @@ impl Submitter<'_> {
             self.pipelines.draw(
                 self.ring.binding(slot),
                 (fans, self.draw),
-                (is_first, self.late),
+                (is_first, self.late, self.opaque),
                 &self.targets.accumulated,
                 timestamps,
                 &mut encoder,

@@ -5,7 +5,7 @@ use std::mem::offset_of;
 use naga::{Module, TypeInner};
 use wgpu::BufferUsages as Usage;
 
-use super::layout::{BandPieceRecord, FrameUniform, PieceRecord};
+use super::layout::{BandPieceRecord, FrameUniform, GeometryUniform, PieceRecord};
 use super::{Gpu, adapters, shaders};
 use crate::optics::integral::{
     segment_weights, segment_weights_average, segment_weights_thin, segment_weights_very_thin,
@@ -46,7 +46,7 @@ macro_rules! offsets {
 #[test]
 fn shaders_parse_and_read_what_rust_writes() {
     for shading in all_shadings() {
-        let text = shaders::of(shading).draw_text(RECORDS);
+        let text = shaders::of(shading).draw_text(RECORDS, false);
         let module =
             naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
         let frame = offsets!(
@@ -65,6 +65,14 @@ fn shaders_parse_and_read_what_rust_writes() {
         // Fans are read as words: these are the places that `shaders/fans.wgsl` names.
         assert_eq!(members(&module, "Fan"), (vec![("words".to_owned(), 0)], size_of::<Fan>()));
     }
+    let text = shaders::geometry_text();
+    let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
+    let geometry = offsets!(
+        GeometryUniform: eye, is_perspective, forward, near, to_x, center_x, to_y, center_y, first, v_far, step_x, v_near,
+        step_y, setback_px, color, width_px, ndc_scale, ndc_offset, size_px, z_scale, z_offset, first_px,
+        has_back_only
+    );
+    assert_eq!(members(&module, "Geometry"), geometry);
     let words = |bytes: usize| (bytes / 16, bytes % 16 / 4);
     assert_eq!([offset_of!(Fan, thick_px), offset_of!(Fan, s_range)].map(words), [(0, 0), (0, 2)]);
     assert_eq!(
@@ -87,7 +95,7 @@ fn shaders_parse_and_read_what_rust_writes() {
         offset_of!(HexFan, corners),
     ];
     assert_eq!(hexahedron.map(words), [(0, 0), (0, 2), (1, 0), (1, 3), (2, 0)]);
-    let text = shaders::of(Shading::default()).draw_text(RECORDS);
+    let text = shaders::of(Shading::default()).draw_text(RECORDS, false);
     for (name, value) in [
         ("DIAGONALS", HexFan::DIAGONALS),
         ("IS_HOMOGENEOUS", HexFan::IS_HOMOGENEOUS),
@@ -109,10 +117,12 @@ fn shaders_parse_and_read_what_rust_writes() {
 
 #[test]
 fn all_shaders_are_valid() {
-    let texts = all_shadings()
-        .into_iter()
-        .flat_map(|shading| [ONLY_FANS, RECORDS].map(|contents| shaders::of(shading).draw_text(contents)));
-    for text in texts.chain([shaders::resolve_text()]) {
+    let texts = all_shadings().into_iter().flat_map(|shading| {
+        [(ONLY_FANS, false), (RECORDS, false), (ONLY_FANS, true), (RECORDS, true)]
+            .map(|(contents, is_ended)| shaders::of(shading).draw_text(contents, is_ended))
+    });
+    let others = [shaders::resolve_text(false), shaders::resolve_text(true), shaders::geometry_text()];
+    for text in texts.chain(others) {
         let module =
             naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
         let mut validator =
