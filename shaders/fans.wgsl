@@ -34,7 +34,7 @@ fn fan_vertex(fan: u32, corner: u32) -> Fragment {
 
 fn fragment_at(position_px: vec2<f32>, enter_leave: vec4<f32>, s_range: vec2<f32>) -> Fragment {
     var out: Fragment;
-    out.position = vec4<f32>(position_px * frame.ndc_scale + frame.ndc_offset, 0.0, 1.0);
+    out.position = vec4<f32>((position_px - frame.first_px) * frame.ndc_scale + frame.ndc_offset, 0.0, 1.0);
     out.enter_leave = enter_leave;
     out.s_range = s_range;
     out.span = vec2<u32>(piece_of(min(s_range.x, s_range.y)), piece_of(max(s_range.x, s_range.y)));
@@ -48,13 +48,18 @@ struct Segment {
     length_world: f32,
 }
 
+// Column and row in the whole picture.
+fn pixel_of(in: Fragment) -> vec2<f32> {
+    return in.position.xy - 0.5 + frame.first_px;
+}
+
 // World length per scene unit of depth at a pixel.
 fn length_per_depth(pixel: vec2<f32>) -> f32 {
     return length(frame.ray + pixel.x * frame.ray_step_x + pixel.y * frame.ray_step_y);
 }
 
 fn segment_of_fan(in: Fragment) -> Segment {
-    let pixel = in.position.xy - 0.5;
+    let pixel = pixel_of(in);
     let v0 = in.enter_leave.x;
     let v1 = in.enter_leave.z;
     let clipped0 = clamp(v0, frame.v_far, frame.v_near);

@@ -1,7 +1,7 @@
 // What all shaders of a frame read; src/backends/gpu/layout.rs declares the same.
 
 struct Frame {
-    // Normalised device coordinates of a picture position: position · scale + offset.
+    // Normalised device coordinates of a picture position: (position - first_px) · scale + offset.
     ndc_scale: vec2<f32>,
     ndc_offset: vec2<f32>,
     // World length per scene unit of depth: |ray + x · ray_step_x + y · ray_step_y|.
@@ -23,6 +23,11 @@ struct Frame {
     // Along parallel rays the order is checked by inverse depth · order_scale + order_offset, from 0 to 1.
     order_scale: f32,
     order_offset: f32,
+    // First column and row of the part of the picture that is drawn. The tile in a column and row of the whole picture has there
+    // the number row · tile_columns + column - first_tile.
+    first_px: vec2<f32>,
+    tile_columns: u32,
+    first_tile: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

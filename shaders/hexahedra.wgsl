@@ -94,7 +94,7 @@ fn corner_at(corner: vec4<f32>, at: vec2<f32>, flags: u32) -> vec4<f32> {
 
 fn crossings(in: Fragment) -> Crossings {
     let flags = in.head.w;
-    let at = in.position.xy - 0.5 - in.first_px;
+    let at = pixel_of(in) - in.first_px;
     let a = corner_at(in.a, at, flags);
     let b = corner_at(in.b, at, flags);
     let c = corner_at(in.c, at, flags);
@@ -132,7 +132,7 @@ fn crossings(in: Fragment) -> Crossings {
 // The part of a ray between two crossings, within the depths that are drawn.
 fn part_between(in: Fragment, enter: vec2<f32>, leave: vec2<f32>) -> Segment {
     let flags = in.head.w;
-    let world = length_per_depth(in.position.xy - 0.5);
+    let world = length_per_depth(pixel_of(in));
     let s_max = in.s_range.x;
     let s_min = in.s_range.y;
     var s0 = enter.y;

@@ -31,9 +31,8 @@ fn order_depth(in: Fragment) -> f32 {
     }
     if parts > 1u {
         // Cells lie between the parts, whichever is drawn first.
-        let tile = vec2<u32>(in.position.xy) / TILE_PX;
-        let columns = (u32(round(2.0 / frame.ndc_scale.x)) + TILE_PX - 1u) / TILE_PX;
-        atomicOr(&late_tiles[tile.y * columns + tile.x], 1u);
+        let tile = vec2<u32>(pixel_of(in)) / TILE_PX;
+        atomicOr(&late_tiles[tile.y * frame.tile_columns + tile.x - frame.first_tile], 1u);
     }
     let middle = 0.5 * (nearest.x + nearest.y);
     if frame.is_perspective != 0u {

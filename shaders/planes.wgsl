@@ -2,7 +2,7 @@
 
 // Entry is the farthest front face's plane, exit the nearest back face's, as in src/stages/footprints.
 fn segment_of_planes(in: Fragment) -> Segment {
-    let pixel = in.position.xy - 0.5;
+    let pixel = pixel_of(in);
     let at = pixel - in.first_px;
     let ranges = bitcast<vec4<f32>>(in.head);
     let fronts = in.head.w;

@@ -1,5 +1,9 @@
 //! The camera: where the eye is, and the ray through each pixel.
 
+mod region;
+
+pub use region::Region;
+
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -48,6 +52,8 @@ pub struct Camera {
     pub near: Option<f64>,
     /// Nothing farther than this view depth is drawn; default none.
     pub far: Option<f64>,
+    /// The pixels of the picture that are drawn; default all. The image has their size, and in all else `width` and `height` count.
+    pub region: Option<Region>,
 }
 
 /// A ray: `origin + w · direction` has view depth w.
@@ -72,8 +78,10 @@ pub struct Frame {
     pub step_y: DVec3,
     /// Whether all rays leave the eye.
     pub is_perspective: bool,
-    /// Width and height in pixels.
+    /// Width and height of the whole picture in pixels.
     pub size_px: [u32; 2],
+    /// The part of it that is drawn.
+    pub region: Region,
 }
 
 impl Frame {
@@ -108,7 +116,7 @@ impl Frame {
 impl Camera {
     /// Default vertical field of view, in degrees.
     pub const FOV_DEGREES: f64 = 30.0;
-    /// Largest picture side: beyond it, tile the picture.
+    /// Largest side of a whole picture, in pixels.
     pub const MAX_SIDE: u32 = 32_768;
     /// No coordinate of a camera reaches this.
     pub const FARTHEST: f64 = 1e100;
@@ -118,7 +126,7 @@ impl Camera {
         let view = (target - eye).normalize_or_zero();
         let up = if view.z.abs() > 0.999 { DVec3::Y } else { DVec3::Z };
         let projection = Projection::Perspective { fov_degrees: Self::FOV_DEGREES };
-        Self { eye, target, up, projection, width, height, near: None, far: None }
+        Self { eye, target, up, projection, width, height, near: None, far: None, region: None }
     }
 
     /// A camera that shows all `corners` from azimuth and elevation in degrees: the eye lies in direction
@@ -147,7 +155,8 @@ impl Camera {
     /// The view frame.
     ///
     /// # Errors
-    /// [`Error::Camera`] where the eye is the target, `up` runs along the view, or a number is out of range.
+    /// [`Error::Camera`] where the eye is the target, `up` runs along the view, or a number is out of range; [`Error::Option`] where
+    /// the region is no part of the picture.
     pub fn frame(&self) -> Result<Frame> {
         let bad = |problem: String| Error::Camera { problem };
         let side = 1..=Self::MAX_SIDE;
@@ -155,6 +164,9 @@ impl Camera {
             let (w, h, max) = (self.width, self.height, Self::MAX_SIDE);
             return Err(bad(format!("a picture of {w}x{h} pixels; each side must be 1 to {max}")));
         }
+        let size_px = [self.width, self.height];
+        let region = self.region.unwrap_or(Region::whole(size_px));
+        region.check(size_px)?;
         // Beyond, squares of lengths are no numbers any more; nothing in f32 is so far away.
         let is_near = |p: DVec3| p.abs().max_element() < Self::FARTHEST;
         if !(is_near(self.eye) && is_near(self.target) && is_near(self.up)) {
@@ -207,14 +219,17 @@ impl Camera {
             step_x: right * pixel,
             step_y: up * -pixel,
             is_perspective,
-            size_px: [self.width, self.height],
+            size_px,
+            region,
         })
     }
 
-    /// Reads a camera as JSON (`eye`, `target`, `up`, `fov`, `width`, `height`, `near`, `far`, `orthographic_height`).
+    /// Reads a camera as JSON (`eye`, `target`, `up`, `fov`, `width`, `height`, `near`, `far`, `orthographic_height`,
+    /// `region` as \[X0, Y0, X1, Y1\]).
     ///
     /// # Errors
-    /// [`Error::Camera`] where the text is not such a camera, with the line, or the camera is not valid.
+    /// [`Error::Camera`] where the text is not such a camera, with the line, or the camera is not valid; [`Error::Option`] where the
+    /// region is no part of the picture.
     pub fn from_json(text: &str) -> Result<Self> {
         let parsed: CameraJson =
             serde_json::from_str(text).map_err(|error| Error::Camera { problem: presentable(error.to_string()) })?;
@@ -226,7 +241,7 @@ impl Camera {
         let mut camera = Self::looking_at(eye, target, parsed.width, parsed.height);
         camera.up = parsed.up.map_or(camera.up, DVec3::from_array);
         camera.projection = projection;
-        (camera.near, camera.far) = (parsed.near, parsed.far);
+        (camera.near, camera.far, camera.region) = (parsed.near, parsed.far, parsed.region);
         camera.frame()?;
         Ok(camera)
     }
@@ -247,6 +262,7 @@ impl Camera {
             near: self.near,
             far: self.far,
             orthographic_height,
+            region: self.region,
         };
         serde_json::to_string_pretty(&json).unwrap_or_default()
     }
@@ -271,6 +287,8 @@ struct CameraJson {
     far: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     orthographic_height: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    region: Option<Region>,
 }
 
 fn default_side() -> u32 {
@@ -316,8 +334,12 @@ mod tests {
 
     #[test]
     fn json_round_trip_and_errors() {
-        let before = camera();
+        let mut before = camera();
         assert_eq!(Camera::from_json(&before.to_json()).unwrap(), before);
+        before.region = Some(Region { x0: 600, y0: 0, x1: 640, y1: 480 });
+        assert_eq!(Camera::from_json(&before.to_json()).unwrap(), before);
+        before.height = 479;
+        assert!(matches!(Camera::from_json(&before.to_json()), Err(Error::Option { option: "--region", .. })));
         for bad in [
             "{",
             r#"{"eye":[0,0,0],"target":[0,0,0]}"#,

@@ -54,7 +54,7 @@ pub mod profile;
 pub mod render;
 pub mod stages;
 
-pub use camera::{Camera, Projection};
+pub use camera::{Camera, Projection, Region};
 pub use columns::{Dataset, Field, FieldSelection, Points, TetMesh};
 pub use error::{Error, Result};
 pub use image::Image;

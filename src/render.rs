@@ -190,7 +190,7 @@ impl Renderer {
         }
         let start = Instant::now();
         let view = View::new(camera, &scene.dataset)?;
-        self.check_memory(view.size_px, scene.bands_of_picture(options.model))?;
+        self.check_memory(view.region.size_px(), scene.bands_of_picture(options.model))?;
         let cull_table = CullTable::new(&scene.pieces, options.model);
         let mut profile = Profile::default();
         let mut topological = std::mem::take(&mut self.topological);

@@ -23,6 +23,8 @@ mod memory;
 mod other_verbs;
 #[path = "cli/profile.rs"]
 mod profile;
+#[path = "cli/region.rs"]
+mod region;
 #[path = "cli/render.rs"]
 mod render;
 #[path = "cli/several.rs"]

@@ -94,7 +94,7 @@ impl DrawOrder {
         let blocks_of_part = blocks.div_ceil(PARTS_PER_THREAD * rayon::current_num_threads()).max(1);
         let moved = self.last_view.replace(*frame.view).and_then(|last| moved(&last, frame));
         let parts = self.sort.begin(blocks.div_ceil(blocks_of_part), moved);
-        let boxes = PixelBoxes::new(frame.view);
+        let boxes = PixelBoxes::new(frame.view).within(frame.view.region);
         let screen = &self.screen[..];
         let of_part = |(number, part): (usize, &mut Part)| {
             let (mut visible, mut projected, mut areas, mut keys) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());

@@ -7,9 +7,7 @@ pub mod cpu;
 mod draw_order;
 #[cfg(feature = "gpu")]
 pub mod gpu;
-
-/// Side of a tile in pixels: what the tile compositor draws at once, and what is drawn again.
-pub(crate) const TILE_PX: u32 = 32;
+mod tiles;
 
 use crate::columns::{Association, Dataset, Field};
 use crate::optics::{BandPiece, CullTable, Intervals, Pieces};
@@ -39,7 +37,7 @@ pub struct Frame<'a> {
     pub keys: KeyMaker<'a>,
     /// Whether fragments found out of order are put right; otherwise they are only counted.
     pub is_exact: bool,
-    /// The tiles to draw, one flag each, row by row; `None` for all. For the tile compositor.
+    /// The tiles of the region to draw, one flag each, row by row; `None` for all. For the tile compositor.
     pub tiles: Option<&'a [bool]>,
     /// How rasterisers draw faces of four corners.
     pub faces: Faces,

@@ -3,6 +3,7 @@
 use std::str::FromStr;
 
 use bytesize::ByteSize;
+use cellfan::{Error, Region};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 /// What becomes of cells with more than four corners.
@@ -53,6 +54,14 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
         Some(_) => Err(format!("each side must be 1 to {max} pixels")),
         None => Err("expected WIDTHxHEIGHT in pixels, such as 1024x768".to_owned()),
     }
+}
+
+/// `X0,Y0,X1,Y1` in pixels.
+pub(super) fn region(text: &str) -> Result<Region, String> {
+    text.parse().map_err(|error| match error {
+        Error::Option { problem, .. } => problem,
+        other => other.to_string(),
+    })
 }
 
 /// A transmittance at which a ray may end.
@@ -119,6 +128,14 @@ mod tests {
         }
         for bad in ["", "64", "0x5", "5x0", "64x32769", "-1x5", "5 x 5", "5x5x5"] {
             assert!(size(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn regions() {
+        assert_eq!(region("0,5, 32768,7").map(Region::size_px), Ok([32_768, 2]));
+        for bad in ["", "0,0,5", "0,0,5,5,5", "-1,0,5,5", "0,0,x,5", "0,0,1.5,2"] {
+            assert!(region(bad).is_err_and(|problem| problem.starts_with("expected X0,Y0,X1,Y1")), "{bad}");
         }
     }
 

@@ -70,6 +70,8 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         threads: rayon::current_num_threads(),
         peak_rss_bytes: peak_rss_bytes(),
         memory_bytes: arguments.scene.memory,
+        size_px: [setup.camera.width, setup.camera.height],
+        region: setup.camera.region,
     };
     setup.backend.say();
     setup.summary.say(&stats.cells, &stats.order);

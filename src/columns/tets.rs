@@ -120,6 +120,28 @@ pub struct TetsView<'a> {
     last_vertex: u32,
 }
 
+/// A cell's vertices as they stand in memory.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum TetRow<'a> {
+    /// Those of vertices, all of them.
+    Whole(&'a [u32; 4]),
+    /// Not checked yet.
+    Wide(&'a [u32; 4]),
+    /// Counted from a base.
+    Narrow(&'a [u16; 4], u32),
+}
+
+impl TetRow<'_> {
+    /// Its first byte, for what needs to know where it is.
+    #[inline]
+    pub(crate) fn first_byte(&self) -> &u8 {
+        match *self {
+            Self::Whole(row) | Self::Wide(row) => &bytemuck::bytes_of(row)[0],
+            Self::Narrow(row, _) => &bytemuck::bytes_of(row)[0],
+        }
+    }
+}
+
 impl<'a> TetsView<'a> {
     /// The vertices of cell `cell`.
     ///
@@ -127,14 +149,27 @@ impl<'a> TetsView<'a> {
     /// If there is no such cell.
     #[inline]
     pub fn get(&self, cell: usize) -> [u32; 4] {
+        match self.row(cell) {
+            TetRow::Whole(row) => *row,
+            TetRow::Wide(row) => in_range(*row, self.last_vertex),
+            TetRow::Narrow(row, base) => from_base(*row, base, self.last_vertex),
+        }
+    }
+
+    /// Where the vertices of cell `cell` stand in memory.
+    ///
+    /// # Panics
+    /// If there is no such cell.
+    #[inline]
+    pub(crate) fn row(&self, cell: usize) -> TetRow<'a> {
         let Some(&BlockIds { start, base }) = self.blocks.get(cell / Dataset::BLOCK_CELLS) else {
-            return self.wide[cell];
+            return TetRow::Whole(&self.wide[cell]);
         };
         let (first, cell) = (start as usize * BlockIds::UNIT_BYTES, cell % Dataset::BLOCK_CELLS);
         if base == BlockIds::WIDE {
-            in_range(self.wide[first / 16 + cell], self.last_vertex)
+            TetRow::Wide(&self.wide[first / 16 + cell])
         } else {
-            from_base(self.narrow[first / 8 + cell], base, self.last_vertex)
+            TetRow::Narrow(&self.narrow[first / 8 + cell], base)
         }
     }
 

@@ -45,13 +45,22 @@ pub struct CellSpan {
     pub cell: Option<usize>,
     s_min: f32,
     s_max: f32,
+    length_world_max: f32,
 }
 
 impl CellSpan {
-    /// For values from `s_min` to `s_max`, of whatever cell.
+    /// For values from `s_min` to `s_max`, of whatever cell, with segments of any length.
     #[inline]
     pub fn new(intervals: &Intervals, s_min: f32, s_max: f32) -> Self {
-        Self { first: intervals.piece_of(s_min), last: intervals.piece_of(s_max), cell: None, s_min, s_max }
+        let (first, last) = (intervals.piece_of(s_min), intervals.piece_of(s_max));
+        Self { first, last, cell: None, s_min, s_max, length_world_max: f32::INFINITY }
+    }
+
+    /// The same where no segment is longer than `length_world_max`.
+    #[inline]
+    #[must_use]
+    pub fn within(self, length_world_max: f32) -> Self {
+        Self { length_world_max, ..self }
     }
 
     /// The same of a cell of the dataset.
@@ -91,12 +100,11 @@ pub(super) fn piecewise<O: Piecewise>(
     segments: &[Segments],
     out: &mut [Contribution],
 ) {
-    let length_max = length_max(segments);
     // Extinction is linear on a piece: largest where the cell's values, or the piece, end.
     let depth_max = |k: usize| {
         let piece = pieces.piece(k);
         let (low, high) = (max(span.s_min, pieces.start_of(k)), min(span.s_max, pieces.end_of(k)));
-        length_max * max(piece.extinction_at(low), piece.extinction_at(high))
+        span.length_world_max * max(piece.extinction_at(low), piece.extinction_at(high))
     };
     if span.first == span.last {
         O::of_piece(pieces.piece(span.first), depth_max(span.first), segments, out);
@@ -143,18 +151,6 @@ pub(super) fn piecewise<O: Piecewise>(
             }
         }
     }
-}
-
-/// The length of the longest segment.
-#[inline(always)]
-fn length_max(segments: &[Segments]) -> f32 {
-    let mut longest = [0.0; LANES];
-    for segments in segments {
-        for i in 0..LANES {
-            longest[i] = max(segments.length_world[i], longest[i]);
-        }
-    }
-    longest.iter().fold(0.0, |longest, &length| max(length, longest))
 }
 
 /// Segments, ready to be cut at values: their length is spread evenly between their end values.

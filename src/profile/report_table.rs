@@ -4,6 +4,7 @@ use std::fmt::{Display, Formatter, Result};
 
 use super::table::in_units;
 use super::{Distribution, Report, StageSummary};
+use crate::camera::Region;
 
 impl Display for Report {
     /// What was measured, the frame times, a line a stage, what ran beside them, hints.
@@ -54,7 +55,10 @@ impl Report {
     /// What was drawn.
     pub(super) fn heading(&self) -> String {
         let side = |name: &str| self.views.camera.get(name).and_then(serde_json::Value::as_u64);
-        let size = side("width").zip(side("height")).map(|(width, height)| format!(", {width}x{height}"));
+        let region: Option<Region> =
+            self.views.camera.get("region").and_then(|region| serde_json::from_value(region.clone()).ok());
+        let part = region.map_or_else(String::new, |region| format!(" (region {region})"));
+        let size = side("width").zip(side("height")).map(|(width, height)| format!(", {width}x{height}{part}"));
         let orbit = match self.views.orbit_degrees {
             0.0 => String::new(),
             degrees => format!(" over {degrees} degrees"),
@@ -162,6 +166,8 @@ gpu_draw              5.000   50.0 %      5.000          -        -
 ";
         assert_eq!(table, expected);
         assert_eq!(Report::default().to_string(), "no frames");
+        report.views.camera = serde_json::json!({"width": 64, "height": 32, "region": [0, 0, 32, 16]});
+        assert!(report.to_string().starts_with("m.vtu: 1,234,567 cells, 64x32 (region 0,0,32,16), 3 frames"));
     }
 
     #[test]

@@ -9,6 +9,7 @@ use serde::{Serialize, Serializer};
 use super::{Profile, middle};
 use crate::Result;
 use crate::atomic::{io_at, write_atomically};
+use crate::camera::Region;
 
 /// What became of the cells of one frame; every cell is counted once.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
@@ -106,6 +107,10 @@ pub struct Stats {
     pub peak_rss_bytes: Option<u64>,
     /// The memory budget of a frame in bytes; none where there is none.
     pub memory_bytes: Option<u64>,
+    /// Width and height of the whole picture in pixels.
+    pub size_px: [u32; 2],
+    /// The part of it that was drawn; none where that is all of it.
+    pub region: Option<Region>,
 }
 
 impl Stats {
@@ -156,7 +161,7 @@ impl Stats {
 
 impl Serialize for Stats {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut record = serializer.serialize_struct("Stats", 12)?;
+        let mut record = serializer.serialize_struct("Stats", 14)?;
         record.serialize_field("cells", &self.cells)?;
         record.serialize_field("triangles", &self.triangles)?;
         record.serialize_field("order", &self.order)?;
@@ -169,6 +174,8 @@ impl Serialize for Stats {
         record.serialize_field("peak_rss_bytes", &self.peak_rss_bytes)?;
         record.serialize_field("peak_anonymous_bytes", &self.stages().peak_anonymous_bytes())?;
         record.serialize_field("memory_bytes", &self.memory_bytes)?;
+        record.serialize_field("size", &self.size_px)?;
+        record.serialize_field("region", &self.region)?;
         record.end()
     }
 }
@@ -225,6 +232,8 @@ mod tests {
             threads: 2,
             peak_rss_bytes: Some(4096),
             memory_bytes: Some(8192),
+            size_px: [3840, 1024],
+            region: Some(Region { x0: 1280, y0: 0, x1: 2560, y1: 1024 }),
             ..Stats::default()
         };
         stats.before.add("read", Duration::from_millis(8), 640);
@@ -234,7 +243,7 @@ mod tests {
         stats.frame.note_memory(Some(2048));
         stats.after.note_memory(Some(1024));
         assert_eq!(stats.cells.accounted(), stats.cells.total);
-        let expected = r#"{"cells":{"total":21,"drawn":6,"culled_transparent":5,"culled_outside":4,"degenerate":3,"invalid":2,"skipped":1,"by_class":{"two":2,"one":4}},"triangles":9,"order":{"kind":"topological","exactness":{"cycles_broken":3},"misordered_pairs":0,"cycles":3,"layers":43,"adjacency":"built","violations":null,"tiles_redone":7},"stages":{"read":{"ms":8.0,"bytes":640},"cull":{"ms":0.5,"bytes":12},"composite":{"ms":2.0,"bytes":0},"encode":{"ms":1.0,"bytes":64}},"frame_ms":2.5,"frames":[4.0,1.5,2.0,3.0],"backend":"cpu","adapter":null,"threads":2,"peak_rss_bytes":4096,"peak_anonymous_bytes":2048,"memory_bytes":8192}"#;
+        let expected = r#"{"cells":{"total":21,"drawn":6,"culled_transparent":5,"culled_outside":4,"degenerate":3,"invalid":2,"skipped":1,"by_class":{"two":2,"one":4}},"triangles":9,"order":{"kind":"topological","exactness":{"cycles_broken":3},"misordered_pairs":0,"cycles":3,"layers":43,"adjacency":"built","violations":null,"tiles_redone":7},"stages":{"read":{"ms":8.0,"bytes":640},"cull":{"ms":0.5,"bytes":12},"composite":{"ms":2.0,"bytes":0},"encode":{"ms":1.0,"bytes":64}},"frame_ms":2.5,"frames":[4.0,1.5,2.0,3.0],"backend":"cpu","adapter":null,"threads":2,"peak_rss_bytes":4096,"peak_anonymous_bytes":2048,"memory_bytes":8192,"size":[3840,1024],"region":[1280,0,2560,1024]}"#;
         assert_eq!(serde_json::to_string(&stats).unwrap(), expected);
 
         let folder = tempfile::tempdir().unwrap();

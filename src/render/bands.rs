@@ -55,7 +55,7 @@ impl Renderer {
         let passes_of = |table: &BandTable, first: usize, offset: f64| {
             if glows { table.glowing_passes(&scene.transfer, first, offset) } else { table.passes(offset) }
         };
-        let mut gathered = Gathered::new(scene, glows, frame.view.size_px);
+        let mut gathered = Gathered::new(scene, glows, frame.view.region.size_px());
         match bands {
             SceneBands::Table(table) => {
                 self.draw_passes(&passes_of(table, 0, scene.field.offset), 0, frame, &mut gathered, profile)?;

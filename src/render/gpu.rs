@@ -50,7 +50,7 @@ impl Renderer {
         Ok(image)
     }
 
-    /// Draws one frame into `texture`, a render attachment of the camera's size on the renderer's own device
+    /// Draws one frame into `texture`, a render attachment of the size of what the camera draws (its region, if it has one) on the renderer's own device
     /// ([`Gpu::from_device`]), and waits for it. Pixels are those of [`Renderer::render`], as linear values; the image that comes
     /// back is empty.
     ///

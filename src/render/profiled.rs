@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::{CpuMethod, RenderOptions, Rendered, Scene};
 use crate::backends::cpu::InstructionSet;
-use crate::camera::Camera;
+use crate::camera::{Camera, Region};
 use crate::error::Result;
 use crate::optics::Model;
 use crate::profile::{FrameRecord, Machine, MeshRecord, Program, Report, Views};
@@ -67,7 +67,12 @@ pub fn profile_views(
     for i in 0..half_size.min(frames) {
         let number = i64::from(i) * i64::from(frames) / i64::from(half_size.min(frames));
         let full = view(number);
-        let half = Camera { width: full.width.div_ceil(2), height: full.height.div_ceil(2), ..full };
+        let half = Camera {
+            width: full.width.div_ceil(2),
+            height: full.height.div_ceil(2),
+            region: full.region.map(Region::halved),
+            ..full
+        };
         record(number, &half)?;
         halved.push(record(number, &half)?);
     }

@@ -25,6 +25,7 @@ use rayon::prelude::*;
 
 use super::classify::{CellClass, ClassCounts};
 use super::{PixelProjection, SceneVertex, ScreenVertex, View};
+use crate::camera::Region;
 use crate::columns::{Dataset, HexahedraView};
 use cases::Drawn;
 use tetrahedra::Tet;
@@ -204,14 +205,8 @@ impl<'a> FanInput<'a> {
     /// Whether a cell with this vertex needs care.
     #[inline]
     fn is_near(&self, vertex: &ScreenVertex) -> bool {
-        vertex.depth < self.view.near || (self.planes_for != PlanesFor::NoCells && self.is_far_outside(vertex))
-    }
-
-    /// Whether a vertex is more than half a picture beyond the edge.
-    #[inline]
-    fn is_far_outside(&self, vertex: &ScreenVertex) -> bool {
-        let [width, height] = self.view.size_px.map(|side| side as f32);
-        (vertex.x_px - 0.5 * width).abs() > width || (vertex.y_px - 0.5 * height).abs() > height
+        let has_planes = self.planes_for != PlanesFor::NoCells;
+        vertex.depth < self.view.near || (has_planes && is_far_outside(self.view.region, vertex))
     }
 
     /// What there may be among the fans.
@@ -258,6 +253,14 @@ impl<'a> FanInput<'a> {
             },
         }
     }
+}
+
+/// Whether a vertex is more than half of the width or height of `region` beyond its edge.
+#[inline]
+fn is_far_outside(region: Region, vertex: &ScreenVertex) -> bool {
+    let [width, height] = region.size_px().map(|side| side as f32);
+    let [x, y] = [vertex.x_px - region.x0 as f32, vertex.y_px - region.y0 as f32];
+    (x - 0.5 * width).abs() > width || (y - 0.5 * height).abs() > height
 }
 
 /// How many fans `cells` need.

@@ -8,7 +8,7 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::camera::{Camera, Frame};
+use crate::camera::{Camera, Frame, Region};
 use crate::columns::Dataset;
 use crate::error::Result;
 
@@ -27,8 +27,10 @@ pub struct View {
     pub step_y: DVec3,
     /// Direction (perspective) or origin (orthographic) of the ray of pixel (0, 0), relative to `forward` or the eye.
     pub corner: DVec3,
-    /// Width and height in pixels.
+    /// Width and height of the whole picture in pixels; its pixel (0, 0) is where positions count from.
     pub size_px: [u32; 2],
+    /// The part of the picture that backends draw. Orders are those of the whole.
+    pub region: Region,
     /// Smallest view depth drawn.
     pub near: f32,
     /// Largest view depth drawn; infinite if there is no far plane.
@@ -44,9 +46,9 @@ impl View {
     /// The view of `camera` on `dataset`.
     ///
     /// # Errors
-    /// [`Error::Camera`](crate::Error::Camera) where the camera is not valid.
+    /// Those of [`Camera::frame`].
     pub fn new(camera: &Camera, dataset: &Dataset) -> Result<Self> {
-        let Frame { eye, forward, step_x, step_y, is_perspective, size_px } = camera.frame()?;
+        let Frame { eye, forward, step_x, step_y, is_perspective, size_px, region } = camera.frame()?;
         let [width, height] = size_px.map(f64::from);
         let near = camera.near.unwrap_or(Self::NEAR_SHARE * dataset.diagonal_world());
         let scene_per_world = scene_per_world(dataset);
@@ -61,6 +63,7 @@ impl View {
             step_y,
             corner: step_x * (0.5 - 0.5 * width) + step_y * (0.5 - 0.5 * height),
             size_px,
+            region,
             near: (near * scene_per_world) as f32,
             far: camera.far.map_or(f32::INFINITY, |far| (far * scene_per_world) as f32),
             world_per_scene: scene_per_world.recip(),
@@ -129,8 +132,14 @@ pub struct PixelProjection {
 }
 
 impl PixelProjection {
+    /// Pixels that a step across the view moves by at view depth 1 (parallel rays: at any depth).
+    pub fn px_per_unit(&self) -> f32 {
+        self.to_x.length()
+    }
+
     /// (x, y) in pixels and view depth of `p`; x and y mean nothing where the depth is not positive in perspective.
-    #[inline]
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "part of kernels that are compiled for wider vectors")]
     pub fn project(&self, p: Vec3) -> Vec3 {
         let v = p - self.eye;
         let w = v.dot(self.forward);

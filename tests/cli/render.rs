@@ -101,6 +101,8 @@ fn stats_have_their_keys_and_their_cells_add_up() {
         "peak_rss_bytes",
         "peak_anonymous_bytes",
         "memory_bytes",
+        "size",
+        "region",
     ];
     expected.sort_unstable();
     let mut keys = keys;

@@ -11,7 +11,7 @@ fn draw(scene: &Scene, camera: &Camera, options: RenderOptions, memory_bytes: u6
 }
 
 /// The least budget that does: what each error asks for, until there is none.
-fn least(scene: &Scene, camera: &Camera, options: RenderOptions) -> u64 {
+pub(crate) fn least(scene: &Scene, camera: &Camera, options: RenderOptions) -> u64 {
     let mut budget = 0;
     for _ in 0..5 {
         match draw(scene, camera, options, budget) {
@@ -91,16 +91,20 @@ fn invalid_values_and_large_cells() {
     }
 }
 
-#[test]
-fn more_cells_over_a_pixel_than_a_worker_has_room_for() {
-    // Cells that overlap in any order: each block is drawn again with more fragments than the 65,536 that are planned for.
+/// Cells of any size anywhere in the unit cube: in no order do all come after those in front of them.
+pub(crate) fn overlapping_cells(count: u32) -> Case {
     let mut random = Random(3);
     let mut coordinate = || f64::from(random.below(1 << 20)) / f64::from(1 << 20);
-    let count = 60_000;
     let points: Vec<[f64; 3]> = (0..4 * count).map(|_| [(); 3].map(|()| coordinate())).collect();
     let tets = (0..count).map(|i| [0, 1, 2, 3].map(|k| 4 * i + k)).collect();
     let values = (0..points.len()).map(|i| (i % 7) as f64 / 7.0).collect();
-    let case = Case::new(mesh(points, tets, values), "value");
+    Case::new(mesh(points, tets, values), "value")
+}
+
+#[test]
+fn more_cells_over_a_pixel_than_a_worker_has_room_for() {
+    // Each block is drawn again with more fragments than the 65,536 that are planned for.
+    let case = overlapping_cells(60_000);
     let [(_, camera), ..] = three_views(16, 12);
     let scene = case.scene(&smooth());
     let options = RenderOptions { stop_transmittance: 0.0, ..RenderOptions::default() };

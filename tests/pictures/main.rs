@@ -18,6 +18,8 @@ mod gpu_bands;
 #[cfg(feature = "gpu")]
 mod gpu_order;
 #[cfg(feature = "gpu")]
+mod gpu_region;
+#[cfg(feature = "gpu")]
 #[path = "../common/gpus.rs"]
 mod gpus;
 mod hexahedra;
@@ -29,6 +31,7 @@ mod parity;
 mod polyhedron;
 mod real;
 mod reference;
+mod region;
 mod several;
 mod topological;
 #[cfg(feature = "gpu")]

@@ -36,7 +36,7 @@ impl Census {
 
     /// The pairs of the fullest row of tiles.
     pub(super) fn largest_row(&self) -> u64 {
-        (0..self.grid.rows).map(|row| self.pairs_of_row(row)).max().unwrap_or(0)
+        self.grid.rows.clone().map(|row| self.pairs_of_row(row)).max().unwrap_or(0)
     }
 
     fn pairs_of_row(&self, row: u32) -> u64 {
@@ -46,7 +46,7 @@ impl Census {
     /// The band that begins at row `first`: as many rows as the plan has pairs for, one at least.
     pub(super) fn band(&self, first: u32, plan: &Plan) -> Range<u32> {
         let (mut end, mut pairs) = (first, 0);
-        while end < self.grid.rows {
+        while end < self.grid.rows.end {
             pairs += self.pairs_of_row(end);
             if end > first && pairs > plan.pairs {
                 break;
@@ -75,7 +75,7 @@ impl Bins {
                         chunk.large_cells += 1;
                         continue;
                     }
-                    for tile in tiles.tiles(grid) {
+                    for tile in tiles.tiles(&grid) {
                         pairs_from_tile[tile].fetch_add(1, Ordering::Relaxed);
                     }
                 }
@@ -92,11 +92,10 @@ impl Bins {
 
     /// Fills the bins of some rows of tiles; what it looked at, and the seconds of its stages.
     pub(super) fn fill_band(&mut self, projector: &Projector, census: &Census, rows: Range<u32>) -> Filled {
-        let grid = census.grid;
+        let grid = &census.grid;
         let band = grid.tiles(&rows);
-        (self.grid, self.rows) = (grid, rows.clone());
-        // Equal keys all along: the order of memory is still to be made.
-        self.is_shuffled = projector.frame.keys.key() == SortKey::None;
+        (self.grid, self.rows, self.is_shuffled) = (grid.clone(), rows.clone(), true);
+        self.has_no_keys = projector.frame.keys.key() == SortKey::None;
         self.starts.clear();
         let mut next = 0;
         for &pairs in &census.pairs_from_tile[band.clone()] {
@@ -125,7 +124,7 @@ impl Bins {
                 chunk.filled.counts += cells.project(projector, &block);
                 cells.keep_rows(&rows);
                 let large = &mut chunk.large;
-                cells.for_each(projector, &block, |pair, tiles| {
+                cells.for_each(&block, |pair, tiles| {
                     if tiles.len() > MANY_TILES {
                         large.push(LargeCell { pair, tiles });
                         return;

@@ -16,6 +16,7 @@ pub(super) use super::grid::TILE;
 use super::grid::{SmallTileBox, TileBox, TileGrid};
 use crate::backends::Counts;
 use crate::stages::scatter::as_atomic;
+use crate::stages::sort::SortKey;
 use crate::stages::sort::radix::Pair;
 
 /// A cell on more tiles than this is listed once instead of once a tile; chosen: few cells are so large.
@@ -55,6 +56,8 @@ pub(super) struct Bins {
     /// Where each tile's pairs begin, and where the last one's end.
     pub(super) starts: Vec<usize>,
     pub(super) large: Vec<LargeCell>,
+    /// Whether no key orders the cells: those of a tile are drawn as they stand in memory.
+    pub(super) has_no_keys: bool,
     /// Whether the pairs of a tile stand in any order.
     pub(super) is_shuffled: bool,
     pub(super) chunks: Vec<Chunk>,
@@ -72,8 +75,9 @@ pub(super) struct Filled {
 impl Bins {
     /// Fills the bins of the whole picture.
     pub(super) fn fill(&mut self, projector: &Projector) -> Filled {
-        let grid = TileGrid::new(projector.frame.view);
-        (self.grid, self.rows, self.is_shuffled) = (grid, 0..grid.rows, false);
+        let grid = &TileGrid::new(projector.frame.view);
+        (self.grid, self.rows, self.is_shuffled) = (grid.clone(), grid.rows.clone(), false);
+        self.has_no_keys = projector.frame.keys.key() == SortKey::None;
         self.for_each_chunk(projector, |chunk, cells, blocks| {
             chunk.places.clear();
             chunk.places.resize(grid.len(), 0);
@@ -149,13 +153,17 @@ impl Bins {
     pub(super) fn pairs_of(&self, tile: usize, order: &mut Vec<Pair>) {
         let place = tile - self.grid.tiles(&self.rows).start;
         let pairs = &self.pairs[self.starts[place]..self.starts[place + 1]];
-        let (column, row) = (tile as u32 % self.grid.columns, tile as u32 / self.grid.columns);
+        let [column, row] = self.grid.place(tile);
         order.clear();
         order.extend_from_slice(pairs);
-        if self.is_shuffled {
-            order.sort_unstable();
-        }
         order.extend(self.large.iter().filter(|cell| cell.tiles.touches(column, row)).map(|cell| cell.pair));
+        // Without keys the order is that of memory. Which cells are listed aside depends on the region: they go where they belong,
+        // by a merge of two runs.
+        if self.has_no_keys && self.is_shuffled {
+            order.sort_unstable();
+        } else if self.has_no_keys && order.len() > pairs.len() {
+            order.sort();
+        }
     }
 }
 
@@ -174,14 +182,14 @@ impl Chunk {
         self.filled = Filled::default();
     }
 
-    fn add_block(&mut self, projector: &Projector, cells: &mut BlockCells, grid: TileGrid, block: usize) {
+    fn add_block(&mut self, projector: &Projector, cells: &mut BlockCells, grid: &TileGrid, block: usize) {
         if projector.rows(block, &mut self.filled.counts).is_none() {
             return;
         }
         let Self { binned, tiles_from_binned, large, places, filled, .. } = self;
         let block = projector.frame.dataset.block(block);
         filled.counts += cells.project(projector, &block);
-        cells.for_each(projector, &block, |pair, tiles| {
+        cells.for_each(&block, |pair, tiles| {
             if tiles.len() > MANY_TILES {
                 large.push(LargeCell { pair, tiles });
                 return;

@@ -6,17 +6,18 @@
 //! contribution of all is `front over behind`, and becomes `front over late over behind` ([`Optics::slipped_in`]).
 #![expect(
     clippy::inline_always,
+    clippy::needless_range_loop,
     reason = "kernels must inline into the function compiled for wider vectors, and their loops over lanes become vector code"
 )]
 
 use arrayvec::ArrayVec;
 
-use super::compress::Compress;
-use super::log::{Before, Log, NOTHING};
+use super::log::{Earlier, Log, NOTHING};
+use super::simd::Simd;
 use super::sink::{Fragments, Sink};
 use super::tile::BLOCKS;
-use crate::optics::lanes::{mask, min, select};
-use crate::optics::{Contribution, LANES, Lanes, Mask, Optics};
+use crate::optics::lanes::min;
+use crate::optics::{Contribution, LANES, Lanes, Optics};
 
 /// Fragments that a late one may lie before, and still be put there.
 const BEHIND: usize = 32;
@@ -38,13 +39,20 @@ pub(super) struct Blending {
     pub(super) slack: OrderSlack,
 }
 
+/// What is known of a block.
+#[derive(Clone, Copy, bytemuck::Zeroable)]
+struct Block {
+    pixels: Contribution,
+    /// Of each pixel the smallest inverse depth of a fragment's entry.
+    v_farthest: Lanes,
+    /// The last record.
+    last: u32,
+}
+
 /// Blends a tile; counts the fragments that came after one behind them.
 pub(super) struct Blend {
     blending: Blending,
-    pixels: Box<[Contribution; BLOCKS]>,
-    /// Of each pixel the smallest inverse depth of a fragment's entry, and its last fragment.
-    v_farthest: Box<[Lanes; BLOCKS]>,
-    last: Box<[Mask; BLOCKS]>,
+    blocks: Box<[Block; BLOCKS]>,
     done: u64,
     /// The farthest that all of a block's pixels have drawn when it was done.
     v_done: [f32; BLOCKS],
@@ -57,9 +65,7 @@ impl Default for Blend {
         let slack = OrderSlack { relative: 0.0, absolute: 0.0 };
         Self {
             blending: Blending { is_exact: false, stop_transmittance: 0.0, slack },
-            pixels: Box::new([[[0.0; LANES]; 4]; BLOCKS]),
-            v_farthest: Box::new([[0.0; LANES]; BLOCKS]),
-            last: Box::new([[NOTHING; LANES]; BLOCKS]),
+            blocks: bytemuck::zeroed_box(),
             done: 0,
             v_done: [0.0; BLOCKS],
             violations: 0,
@@ -72,9 +78,9 @@ impl Blend {
     /// Empties the tile.
     pub(super) fn reset<O: Optics>(&mut self, blending: Blending) {
         self.blending = blending;
-        self.pixels.fill(O::CLEAR.map(|clear| [clear; LANES]));
-        self.v_farthest.fill([f32::INFINITY; LANES]);
-        self.last.fill([NOTHING; LANES]);
+        let pixels = O::CLEAR.map(|clear| [clear; LANES]);
+        self.blocks.fill(Block { pixels, v_farthest: [f32::INFINITY; LANES], last: NOTHING });
+        self.v_done.fill(f32::NEG_INFINITY);
         (self.done, self.violations, self.late_blocks) = (0, 0, 0);
     }
 
@@ -90,64 +96,71 @@ impl Blend {
 
     /// The contribution of each pixel, block by block, lane by lane.
     pub(super) fn contributions(&self) -> impl Iterator<Item = [f32; 4]> {
-        self.pixels.iter().flat_map(|block| (0..LANES).map(move |lane| std::array::from_fn(|c| block[c][lane])))
+        self.blocks.iter().flat_map(|block| (0..LANES).map(move |lane| std::array::from_fn(|c| block.pixels[c][lane])))
     }
 
-    /// Puts late fragments where they belong, or counts them.
+    /// Puts late fragments where they belong, or counts them: where the order need not be exact they are drawn already.
     #[inline(never)]
-    fn put_late<O: Optics>(&mut self, log: &mut Log, block: usize, (lanes, late): (u16, u16), first: usize) {
+    fn put_late<O: Optics>(&mut self, log: &mut Log, number: usize, late: u16) {
+        let block = log.block_of(number);
         let mut rest = late;
         while rest != 0 {
-            let lane = rest.trailing_zeros();
+            let lane = rest.trailing_zeros() as usize;
             rest &= rest - 1;
-            let before = lanes & ((1 << lane) - 1);
-            let place = first + before.count_ones() as usize;
-            log.mark_late(place);
             self.violations += 1;
-            if !self.blending.is_exact || !self.slip_in::<O>(log, place, block, lane as usize) {
+            if !self.blending.is_exact {
                 self.late_blocks |= 1 << block;
+                continue;
+            }
+            let fragment = log.mark_late(number, lane);
+            let pixels = &self.blocks[block].pixels;
+            let front = [pixels[0][lane], pixels[1][lane], pixels[2][lane], pixels[3][lane]];
+            let Some(whole) = slipped_in::<O>(log, front, &fragment, (number, lane)) else {
+                self.late_blocks |= 1 << block;
+                continue;
+            };
+            for (pixels, whole) in self.blocks[block].pixels.iter_mut().zip(whole) {
+                pixels[lane] = whole;
             }
         }
     }
+}
 
-    /// Puts a fragment before those that lie behind it; false where these are not known any more, or too many, or too dark.
-    fn slip_in<O: Optics>(&mut self, log: &Log, place: usize, block: usize, lane: usize) -> bool {
-        let (v_enter, contribution) = log.fragment(place);
-        let mut behind: ArrayVec<(f32, [f32; 4]), BEHIND> = ArrayVec::new();
-        let mut at = place;
-        loop {
-            match log.before(at) {
-                Before::Nothing => break,
-                Before::Forgotten => return false,
-                Before::Fragment(other) => at = other,
-            }
-            let other = log.fragment(at);
-            if other.0 < v_enter {
-                if behind.try_push(other).is_err() {
-                    return false;
-                }
-            } else if !log.is_late(at) {
-                // It lay behind all before it, so these lie before the fragment too.
-                break;
-            }
+/// A pixel with a fragment before those that lie behind it; none where these are not known any more, or too many, or too dark.
+fn slipped_in<O: Optics>(
+    log: &Log,
+    whole: [f32; 4],
+    fragment: &Earlier,
+    (number, lane): (usize, usize),
+) -> Option<[f32; 4]> {
+    let mut behind: ArrayVec<(f32, [f32; 4]), BEHIND> = ArrayVec::new();
+    for earlier in log.before(number, lane) {
+        let earlier = earlier?;
+        if earlier.v_enter < fragment.v_enter {
+            behind.try_push((earlier.v_enter, earlier.contribution)).ok()?;
+        } else if !earlier.is_late {
+            // It lay behind all before it, so these lie before the fragment too.
+            break;
         }
-        behind.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let behind = behind.iter().map(|&(_, contribution)| contribution).fold(O::CLEAR, O::over);
-        let pixels = &mut self.pixels[block];
-        let whole = [0, 1, 2, 3].map(|c: usize| pixels[c][lane]);
-        let Some(whole) = O::slipped_in(whole, behind, contribution) else { return false };
-        for c in 0..4 {
-            pixels[c][lane] = whole[c];
-        }
-        true
     }
+    behind.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let behind = behind.iter().map(|&(_, contribution)| contribution).fold(O::CLEAR, O::over);
+    O::slipped_in(whole, behind, fragment.contribution)
 }
 
 impl<O: Optics> Sink<O> for Blend {
     #[inline(always)]
-    fn is_done(&self, block: usize, v_max: f32) -> bool {
+    fn is_any_done(&self) -> bool {
+        self.done != 0
+    }
+
+    #[inline(always)]
+    fn done(&self, v_max: f32) -> u64 {
+        if !self.blending.is_exact {
+            return self.done;
+        }
         // Where the order must be exact, an opaque block still looks at cells that might lie in front.
-        self.done >> block & 1 == 1 && (!self.blending.is_exact || v_max <= self.v_done[block])
+        self.v_done.iter().enumerate().fold(0, |done, (block, &v)| done | u64::from(v_max <= v) << block)
     }
 
     #[inline(always)]
@@ -156,43 +169,45 @@ impl<O: Optics> Sink<O> for Blend {
     }
 
     #[inline(always)]
-    fn accept(&mut self, compress: impl Compress, fragments: &Fragments, log: &mut Log) {
-        let Fragments { block, lanes, is_hit, ray, v_enter, contribution } = *fragments;
+    fn accept(&mut self, simd: impl Simd, fragments: &Fragments, log: &mut Log) {
+        let Fragments { block, number, lanes, v_enter, contribution } = *fragments;
         let Blending { is_exact, stop_transmittance, slack } = self.blending;
-        let mut is_late = [0; LANES];
+        let of_block = &mut self.blocks[block];
+        let mut late = 0;
         if O::IS_ORDERED {
             if is_exact {
-                log.link(compress, ray, lanes, is_hit, &mut self.last[block]);
+                log.link(number, &mut of_block.last);
             }
-            let v_farthest = &mut self.v_farthest[block];
-            for i in 0..LANES {
-                let v = v_farthest[i];
-                is_late[i] = is_hit[i] & mask(v_enter[i] > v + (v.abs() * slack.relative + slack.absolute));
-                v_farthest[i] = select(is_hit[i], min(v_enter[i], v), v);
+            let (v, v_enter) = (simd.load(&of_block.v_farthest), simd.load(v_enter));
+            let rounding = simd.add(simd.mul(simd.abs(v), simd.splat(slack.relative)), simd.splat(slack.absolute));
+            late = simd.bits_where_less(simd.add(v, rounding), v_enter) & lanes;
+            simd.store(simd.min(v_enter, v), &mut of_block.v_farthest);
+        }
+        let mut contribution = *contribution;
+        if late != 0 && is_exact {
+            // What came late waits.
+            for (channel, clear) in contribution.iter_mut().zip(O::CLEAR) {
+                *channel = simd.put(late, clear, channel);
             }
         }
-        // What came late waits where the order is to be exact.
-        let waits = mask(is_exact);
-        let pixels = &mut self.pixels[block];
-        let mut is_clear = [0; LANES];
+        let front = of_block.pixels;
+        let mut transmittance = [0.0; LANES];
         for i in 0..LANES {
-            let front = [pixels[0][i], pixels[1][i], pixels[2][i], pixels[3][i]];
+            let front = [front[0][i], front[1][i], front[2][i], front[3][i]];
             let back = [contribution[0][i], contribution[1][i], contribution[2][i], contribution[3][i]];
             let both = O::over(front, back);
             for c in 0..4 {
-                pixels[c][i] = select(is_late[i] & waits, front[c], both[c]);
+                of_block.pixels[c][i] = both[c];
             }
-            is_clear[i] = mask(O::transmittance(both) >= stop_transmittance);
+            transmittance[i] = O::transmittance(both);
         }
-        if O::IS_ORDERED {
-            if compress.bits(&is_clear) == 0 {
-                self.done |= 1 << block;
-                self.v_done[block] = self.v_farthest[block].iter().fold(f32::INFINITY, |least, &v| min(v, least));
-            }
-            let late = compress.bits(&is_late);
-            if late != 0 {
-                self.put_late::<O>(log, block, (lanes, late), ray);
-            }
+        if O::IS_ORDERED && simd.bits_where_less(simd.load(&transmittance), simd.splat(stop_transmittance)) == u16::MAX
+        {
+            self.done |= 1 << block;
+            self.v_done[block] = of_block.v_farthest.iter().fold(f32::INFINITY, |least, &v| min(v, least));
+        }
+        if late != 0 {
+            self.put_late::<O>(log, number, late);
         }
     }
 }

@@ -5,12 +5,16 @@
 use std::ops::Range;
 use std::time::Instant;
 
-use super::grid::{TILE, TileBox};
+use super::dispatch::Kernels;
+use super::grid::{TILE, TileBox, TileGrid};
 use crate::backends::{Counts, Frame};
-use crate::columns::BlockView;
+use crate::columns::{self, BlockTets, BlockView};
+use crate::optics::LANES;
 use crate::stages::ScreenVertex;
 use crate::stages::cull::{self, Culled};
-use crate::stages::footprints::{PixelBox, PixelBoxes};
+use crate::stages::footprints::planes::Corners;
+use crate::stages::footprints::{BoxLanes, PixelBox, PixelBoxes};
+use crate::stages::sort::KeyMaker;
 use crate::stages::sort::radix::{Pair, pair};
 
 /// What cells are projected with, for one view.
@@ -19,11 +23,13 @@ pub(super) struct Projector<'a> {
     pub(super) frame: &'a Frame<'a>,
     pub(super) screen: &'a [ScreenVertex],
     pub(super) boxes: PixelBoxes,
+    pub(super) kernels: Kernels,
 }
 
 impl<'a> Projector<'a> {
-    pub(super) fn new(frame: &'a Frame<'a>, screen: &'a [ScreenVertex]) -> Self {
-        Self { frame, screen, boxes: PixelBoxes::new(frame.view) }
+    pub(super) fn new(frame: &'a Frame<'a>, screen: &'a [ScreenVertex], kernels: Kernels) -> Self {
+        let region = TileGrid::new(frame.view).pixels(frame.view.size_px);
+        Self { frame, screen, boxes: PixelBoxes::new(frame.view).within(region), kernels }
     }
 
     /// The rows of tiles that block `block` may touch; `None` where none of its cells can show, and then it is counted.
@@ -40,7 +46,7 @@ impl<'a> Projector<'a> {
         let rows = self.boxes.rows_of_bounds(frame.dataset.blocks[block].bounds, frame.view);
         match rows {
             // What is counted cell by cell is drawn cell by cell too.
-            None if has_invalid => Some(0..frame.view.size_px[1].div_ceil(TILE)),
+            None if has_invalid => Some(TileGrid::new(frame.view).rows),
             None => {
                 counts.culled_outside += frame.dataset.cells_drawn_in(block);
                 None
@@ -50,6 +56,9 @@ impl<'a> Projector<'a> {
     }
 }
 
+/// Batches of sixteen cells that go through each stage together: their corners stay in the cache, and clocks are seldom read.
+const BATCHES: usize = 16;
+
 /// The cells of one block; its memory is kept for the next.
 #[derive(Debug, Default)]
 pub(super) struct BlockCells {
@@ -57,12 +66,21 @@ pub(super) struct BlockCells {
     cell_from_projected: Vec<u32>,
     key_from_projected: Vec<u32>,
     boxes: Vec<PixelBox>,
+    batches: Vec<TetLanes>,
     /// Seconds in cull, footprints, sort keys.
     pub(super) stage_secs: [f64; 3],
 }
 
+/// Sixteen tetrahedra, one a lane.
+#[derive(Clone, Copy, Debug, Default)]
+struct TetLanes {
+    corners: Corners,
+    boxes: BoxLanes,
+    key: [u32; LANES],
+}
+
 impl BlockCells {
-    /// Takes the cells of `block` that may show; what became of all of them.
+    /// Takes the cells of `block` that may show, and their keys; what became of all of them.
     pub(super) fn project(&mut self, projector: &Projector, block: &BlockView) -> Counts {
         let Projector { frame, screen, boxes, .. } = projector;
         let start = Instant::now();
@@ -70,21 +88,36 @@ impl BlockCells {
         self.cell_from_visible.clear();
         let Culled { transparent, invalid } =
             cull::cull(block, frame.field, screen, (frame.intervals(), frame.cull_table), &mut self.cell_from_visible);
-        let culled = Instant::now();
+        self.stage_secs[0] += start.elapsed().as_secs_f64();
         drop(span);
-        let _span = tracing::trace_span!("footprints").entered();
         self.cell_from_projected.clear();
+        self.key_from_projected.clear();
         self.boxes.clear();
-        boxes.of_cells(
-            block,
-            frame.vertices,
-            screen,
-            &self.cell_from_visible,
-            &mut self.cell_from_projected,
-            &mut self.boxes,
-        );
-        self.stage_secs[0] += (culled - start).as_secs_f64();
-        self.stage_secs[1] += culled.elapsed().as_secs_f64();
+        match &block.cells {
+            columns::BlockCells::Tets(tets) if !matches!(frame.keys, KeyMaker::Layers(_)) => {
+                let visible = std::mem::take(&mut self.cell_from_visible);
+                self.batches.resize(BATCHES, TetLanes::default());
+                for cells in visible.chunks(BATCHES * LANES) {
+                    self.project_tets(projector, tets, cells);
+                }
+                self.cell_from_visible = visible;
+            }
+            _ => {
+                let start = Instant::now();
+                boxes.of_cells(
+                    block,
+                    frame.vertices,
+                    screen,
+                    &self.cell_from_visible,
+                    &mut self.cell_from_projected,
+                    &mut self.boxes,
+                );
+                let found = Instant::now();
+                frame.keys.keys(block, frame.vertices, &self.cell_from_projected, &mut self.key_from_projected);
+                self.stage_secs[1] += (found - start).as_secs_f64();
+                self.stage_secs[2] += found.elapsed().as_secs_f64();
+            }
+        }
         Counts {
             drawn: self.boxes.len() as u64,
             culled_transparent: transparent,
@@ -94,17 +127,54 @@ impl BlockCells {
         }
     }
 
+    /// The boxes and keys of some visible tetrahedra, sixteen at a time.
+    fn project_tets(&mut self, projector: &Projector, tets: &BlockTets, cell_from_visible: &[u32]) {
+        let Projector { frame, screen, boxes, kernels } = projector;
+        let start = Instant::now();
+        let batches = &mut self.batches[..cell_from_visible.len().div_ceil(LANES)];
+        for (batch, cells) in batches.iter_mut().zip(cell_from_visible.chunks(LANES)) {
+            for (lane, &cell) in cells.iter().enumerate() {
+                batch.corners.set(lane, tets.get(cell as usize), frame.vertices, false);
+            }
+            kernels.boxes(boxes, &batch.corners, &mut batch.boxes);
+        }
+        let found = Instant::now();
+        for batch in batches.iter_mut() {
+            kernels.keys(&frame.keys, &batch.corners, &mut batch.key);
+        }
+        let keyed = Instant::now();
+        for (batch, cells) in batches.iter().zip(cell_from_visible.chunks(LANES)) {
+            for (lane, &cell) in cells.iter().enumerate() {
+                let pixels = if batch.boxes.crosses_near[lane] != 0 {
+                    boxes.of_cell(tets.get(cell as usize), frame.vertices, screen)
+                } else {
+                    (batch.boxes.is_seen[lane] != 0).then(|| batch.boxes.get(lane))
+                };
+                if let Some(pixels) = pixels {
+                    self.boxes.push(pixels);
+                    self.cell_from_projected.push(cell);
+                    self.key_from_projected.push(batch.key[lane]);
+                }
+            }
+        }
+        self.stage_secs[1] += (found - start).as_secs_f64() + keyed.elapsed().as_secs_f64();
+        self.stage_secs[2] += (keyed - found).as_secs_f64();
+    }
+
     /// Keeps the cells that touch some rows of tiles.
     pub(super) fn keep_rows(&mut self, rows: &Range<u32>) {
         let mut kept = 0;
         for i in 0..self.boxes.len() {
             if TileBox::around(self.boxes[i]).touches_rows(rows) {
-                (self.boxes[kept], self.cell_from_projected[kept]) = (self.boxes[i], self.cell_from_projected[i]);
+                self.boxes[kept] = self.boxes[i];
+                self.cell_from_projected[kept] = self.cell_from_projected[i];
+                self.key_from_projected[kept] = self.key_from_projected[i];
                 kept += 1;
             }
         }
         self.boxes.truncate(kept);
         self.cell_from_projected.truncate(kept);
+        self.key_from_projected.truncate(kept);
     }
 
     /// The tiles that each cell touches.
@@ -112,18 +182,12 @@ impl BlockCells {
         self.boxes.iter().copied().map(TileBox::around)
     }
 
-    /// Computes the keys and gives each cell with its pair and its tiles to `place`.
-    pub(super) fn for_each(&mut self, projector: &Projector, block: &BlockView, mut place: impl FnMut(Pair, TileBox)) {
+    /// Gives each cell with its pair and its tiles to `place`.
+    pub(super) fn for_each(&mut self, block: &BlockView, mut place: impl FnMut(Pair, TileBox)) {
         let start = Instant::now();
-        let _span = tracing::trace_span!("sort_keys").entered();
-        self.key_from_projected.clear();
-        let Frame { keys, vertices, .. } = projector.frame;
-        keys.keys(block, vertices, &self.cell_from_projected, &mut self.key_from_projected);
-        let keyed = Instant::now();
         for ((&cell, &key), area) in self.cell_from_projected.iter().zip(&self.key_from_projected).zip(&self.boxes) {
             place(pair(key, (block.base + cell as usize) as u32), TileBox::around(*area));
         }
-        self.stage_secs[2] += (keyed - start).as_secs_f64();
-        self.stage_secs[1] += keyed.elapsed().as_secs_f64();
+        self.stage_secs[1] += start.elapsed().as_secs_f64();
     }
 }

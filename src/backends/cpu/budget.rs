@@ -14,7 +14,7 @@ use crate::stages::sort::radix::Pair;
 const SLACK: u64 = 4 << 20;
 /// Stack, heap and kernel memory of a thread (a `Worker`: 0.4 MB), whatever it draws.
 const THREAD: u64 = 1 << 20;
-/// A pixel of the picture, and what encoding it takes: eight bits a channel twice.
+/// A pixel that is drawn, and what encoding it takes: eight bits a channel twice.
 const PIXEL: u64 = 16 + 8;
 /// What a tile's pairs take in the worker that draws it: a copy, and room to sort.
 const PAIR_DRAWN: u64 = 2 * size_of::<Pair>() as u64;
@@ -47,7 +47,7 @@ const PAIR: u64 = size_of::<Pair>() as u64;
 /// What a frame takes before a cell is looked at.
 pub(super) fn fixed_bytes(frame: &Frame, threads: usize) -> u64 {
     let screen = frame.vertices.len() * size_of::<ScreenVertex>();
-    let [width, height] = frame.view.size_px.map(u64::from);
+    let [width, height] = frame.view.region.size_px().map(u64::from);
     let census = TileGrid::new(frame.view).len() * 4 + frame.dataset.blocks.len() * 16;
     SLACK
         + THREAD * threads as u64
@@ -66,7 +66,7 @@ pub(super) fn check(frame: &Frame, budget_bytes: u64, threads: usize) -> Result<
         return Ok(());
     }
     let what = "the frame, before its cells are counted,";
-    Err(Error::Memory { budget_bytes, needed_bytes, what, advice: "a smaller picture" })
+    Err(Error::Memory { budget_bytes, needed_bytes, what, advice: "a smaller picture, or parts of it by --region" })
 }
 
 impl Plan {
@@ -90,7 +90,12 @@ impl Plan {
         let fits = |workers: &u64| worker * workers + smallest <= rest;
         let Some(workers) = (1..=threads as u64).rev().find(fits) else {
             let (needed_bytes, what) = (fixed + worker + smallest, "the frame, in bands of 32 rows of pixels,");
-            return Err(Error::Memory { budget_bytes, needed_bytes, what, advice: "a smaller or narrower picture" });
+            return Err(Error::Memory {
+                budget_bytes,
+                needed_bytes,
+                what,
+                advice: "a smaller or narrower picture, or parts of it by --region",
+            });
         };
         Ok(Self {
             workers: workers as usize,

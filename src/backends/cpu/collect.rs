@@ -4,8 +4,8 @@
     reason = "kernels must inline into the function compiled for wider vectors, and their loops over lanes become vector code"
 )]
 
-use super::compress::Compress;
 use super::log::Log;
+use super::simd::Simd;
 use super::sink::{Fragments, Sink};
 use super::tile::PIXELS;
 use crate::optics::{LANES, Optics};
@@ -65,8 +65,13 @@ impl Collect {
 
 impl<O: Optics> Sink<O> for Collect {
     #[inline(always)]
-    fn is_done(&self, block: usize, _: f32) -> bool {
-        self.blocks >> block & 1 == 0
+    fn is_any_done(&self) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn done(&self, _: f32) -> u64 {
+        !self.blocks
     }
 
     #[inline(always)]
@@ -75,9 +80,9 @@ impl<O: Optics> Sink<O> for Collect {
     }
 
     #[inline(always)]
-    fn accept(&mut self, _: impl Compress, fragments: &Fragments, _: &mut Log) {
+    fn accept(&mut self, _: impl Simd, fragments: &Fragments, _: &mut Log) {
         for i in 0..LANES {
-            if fragments.is_hit[i] != 0 {
+            if fragments.lanes >> i & 1 == 1 {
                 self.fragments.push(Fragment {
                     pixel: (fragments.block * LANES + i) as u16,
                     v_enter: fragments.v_enter[i],

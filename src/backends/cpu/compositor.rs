@@ -14,6 +14,7 @@ use super::grid::{TILE, TileGrid};
 use super::tile_source::{LentTile, TileSource};
 use super::worker::{Drawn, TileTask, Worker};
 use crate::backends::{Counts, Frame};
+use crate::camera::Region;
 use crate::error::Result;
 use crate::image::Image;
 use crate::optics::Optics;
@@ -52,7 +53,7 @@ impl TileCompositor {
         project(frame.view, frame.vertices, &mut self.screen);
         profile.add("project", start.elapsed(), frame.vertices.len() as u64 * 32);
 
-        let [width, height] = frame.view.size_px;
+        let [width, height] = frame.view.region.size_px();
         let mut image = Image::filled(width, height, [0.0; 4]);
         let counts = match frame.memory_bytes {
             None => self.draw_at_once(frame, optics, (&mut image, threads), profile),
@@ -69,7 +70,8 @@ impl TileCompositor {
         profile: &mut Profile,
     ) -> Counts {
         let start = Instant::now();
-        let filled = self.bins.fill(&Projector::new(frame, &self.screen));
+        let kernels = Kernels::new(self.instruction_set);
+        let filled = self.bins.fill(&Projector::new(frame, &self.screen, kernels));
         add_filling(profile, start.elapsed(), &filled, self.bins.pairs.len() as u64);
         self.workers.resize_with(threads, Worker::default);
         let mut counts = filled.counts;
@@ -87,17 +89,18 @@ impl TileCompositor {
         profile: &mut Profile,
     ) -> Result<Counts> {
         let start = Instant::now();
-        let census = self.bins.census(&Projector::new(frame, &self.screen));
+        let kernels = Kernels::new(self.instruction_set);
+        let census = self.bins.census(&Projector::new(frame, &self.screen, kernels));
         add_filling(profile, start.elapsed(), &census.filled, 0);
 
         let mut counts = census.filled.counts;
         let mut plan = Plan::new(frame, &census, budget_bytes, threads, budget::FRAGMENTS)?;
-        let mut row = 0;
-        while row < TileGrid::new(frame.view).rows {
+        let Range { start: mut row, end } = TileGrid::new(frame.view).rows;
+        while row < end {
             self.workers.resize_with(plan.workers, Worker::default);
             let start = Instant::now();
             let rows = census.band(row, &plan);
-            let filled = self.bins.fill_band(&Projector::new(frame, &self.screen), &census, rows);
+            let filled = self.bins.fill_band(&Projector::new(frame, &self.screen, kernels), &census, rows);
             add_filling(profile, start.elapsed(), &filled, self.bins.pairs.len() as u64);
             let drawn = self.draw_tiles(frame, optics, (image, Some(&plan)), profile);
             if drawn.fragments_lacking > 0 {
@@ -124,10 +127,10 @@ impl TileCompositor {
         profile.sample_memory();
         let start = Instant::now();
         let Bins { grid, rows, .. } = &self.bins;
-        let width = image.width as usize;
-        let pixels = pixels_of(rows, image);
-        let tiles = Mutex::new(TileSource::new(&mut image.pixels[pixels], width, grid.tiles(rows).start));
-        let is_wanted = |(tile, _): &LentTile| frame.tiles.is_none_or(|wanted| wanted.get(*tile) == Some(&true));
+        let region = frame.view.region;
+        let tiles = Mutex::new(TileSource::new(region, grid, rows, &mut image.pixels[pixels_of(rows, region)]));
+        let is_wanted =
+            |LentTile { tile, .. }: &LentTile| frame.tiles.is_none_or(|wanted| wanted.get(*tile) == Some(&true));
         let next = || lock(&tiles).find(is_wanted);
         let kernels = Kernels::new(self.instruction_set);
         let task = TileTask { frame, optics, bins: &self.bins, kernels, plan };
@@ -155,8 +158,9 @@ fn add_filling(profile: &mut Profile, elapsed: Duration, filled: &Filled, pairs:
     }
 }
 
-/// The pixels of some rows of tiles.
-fn pixels_of(rows: &Range<u32>, image: &Image) -> Range<usize> {
-    let start_of = |row: u32| (row * TILE).min(image.height) as usize * image.width as usize;
+/// The pixels of some rows of tiles among those of the region.
+fn pixels_of(rows: &Range<u32>, region: Region) -> Range<usize> {
+    let width = region.size_px()[0] as usize;
+    let start_of = |row: u32| ((row * TILE).clamp(region.y0, region.y1) - region.y0) as usize * width;
     start_of(rows.start)..start_of(rows.end)
 }

@@ -205,7 +205,6 @@ impl Crossed {
             if done >> block & 1 == 1 || !self.parts.iter().any(|part| lane_of(part).is_some()) {
                 continue;
             }
-            let first = rays;
             let mut lanes = 0_u16;
             // Parts stand in rows: by ascending lane within a block.
             for part in &self.parts {
@@ -214,7 +213,7 @@ impl Crossed {
                 hits.put_ray(rays, part.v, part.s, tile.length_world_per_depth[block][lane], tile.is_perspective());
                 rays += 1;
             }
-            hits.begin_block(blocks, block, lanes, first);
+            hits.begin_block(blocks, block, lanes);
             blocks += 1;
         }
         hits.end_parts(blocks, rays);

@@ -6,18 +6,26 @@
     reason = "a function compiled for more than the baseline may run only where the processor has it"
 )]
 
-#[cfg(target_arch = "x86_64")]
-use super::compress::{ByAvx2, ByAvx512};
-use super::compress::{ByLane, Compress};
+use std::ops::Range;
+
+use super::composite::{Scratch, composite};
 use super::hexahedra;
 use super::hits::Hits;
+use super::log::Log;
+use super::planes::TetBatch;
+#[cfg(target_arch = "x86_64")]
+use super::simd::{ByAvx2, ByAvx512};
+use super::simd::{ByLane, Simd};
 use super::sink::Sink;
-use super::tile::{self, TileFrame};
+use super::tetrahedra::{self, TetHits};
+use super::tile::TileFrame;
 use crate::columns::HexShape;
-use crate::optics::Optics;
+use crate::optics::{LANES, Optics};
 use crate::stages::SceneVertex;
 use crate::stages::footprints::hexahedra::HexFootprint;
-use crate::stages::footprints::planes::TileRays;
+use crate::stages::footprints::planes::{Corners, TileRays};
+use crate::stages::footprints::{BoxLanes, PixelBoxes};
+use crate::stages::sort::KeyMaker;
 use crate::stages::sort::radix::Pair;
 
 /// An instruction set that kernels are compiled for.
@@ -25,10 +33,10 @@ use crate::stages::sort::radix::Pair;
 pub enum InstructionSet {
     /// What every processor of the target has (SSE2 on x86-64, NEON on aarch64).
     Baseline,
-    /// AVX2.
+    /// AVX2, with the bit counts that its processors have.
     #[cfg(target_arch = "x86_64")]
     Avx2,
-    /// AVX-512 F, BW, DQ, VL.
+    /// AVX-512 F, BW, DQ, VL, and AVX2.
     #[cfg(target_arch = "x86_64")]
     Avx512,
 }
@@ -39,14 +47,19 @@ impl InstructionSet {
         let mut sets = Vec::new();
         #[cfg(target_arch = "x86_64")]
         {
-            if is_x86_feature_detected!("avx512f")
+            let has_avx2 = is_x86_feature_detected!("avx2")
+                && is_x86_feature_detected!("popcnt")
+                && is_x86_feature_detected!("bmi1")
+                && is_x86_feature_detected!("bmi2");
+            if has_avx2
+                && is_x86_feature_detected!("avx512f")
                 && is_x86_feature_detected!("avx512bw")
                 && is_x86_feature_detected!("avx512dq")
                 && is_x86_feature_detected!("avx512vl")
             {
                 sets.push(Self::Avx512);
             }
-            if is_x86_feature_detected!("avx2") {
+            if has_avx2 {
                 sets.push(Self::Avx2);
             }
         }
@@ -80,66 +93,119 @@ impl Kernels {
         Self { set }
     }
 
-    /// [`tile::composite`] for this instruction set.
+    /// [`composite`] for this instruction set.
     pub(super) fn composite<O: Optics, S: Sink<O>>(
         self,
         tile: &TileFrame,
         optics: &O,
         order: &[Pair],
-        hits: &mut Hits,
+        scratch: &mut Scratch,
         sink: &mut S,
     ) {
         match self.set {
-            InstructionSet::Baseline => composite(tile, optics, order, ByLane, hits, sink),
+            InstructionSet::Baseline => composite(tile, optics, order, ByLane, scratch, sink),
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `Kernels::new`, the only constructor, keeps a set only if `available` detected its features.
-            InstructionSet::Avx2 => unsafe { composite_avx2(tile, optics, order, hits, sink) },
+            InstructionSet::Avx2 => unsafe { composite_avx2(tile, optics, order, scratch, sink) },
             #[cfg(target_arch = "x86_64")]
             // SAFETY: as above.
-            InstructionSet::Avx512 => unsafe { composite_avx512(tile, optics, order, hits, sink) },
+            InstructionSet::Avx512 => unsafe { composite_avx512(tile, optics, order, scratch, sink) },
         }
     }
 }
 
-#[inline(always)]
-#[expect(clippy::inline_always, reason = "each caller compiles it for another instruction set")]
-fn composite<O: Optics, S: Sink<O>>(
-    tile: &TileFrame,
-    optics: &O,
-    order: &[Pair],
-    kernels: impl HexKernels,
-    hits: &mut Hits,
-    sink: &mut S,
-) {
-    if tile.is_perspective() {
-        tile::composite::<O, S, true>(tile, optics, order, kernels, hits, sink);
-    } else {
-        tile::composite::<O, S, false>(tile, optics, order, kernels, hits, sink);
+impl Kernels {
+    /// [`PixelBoxes::of_lanes`] for this instruction set.
+    pub(super) fn boxes(self, boxes: &PixelBoxes, corners: &Corners, found: &mut BoxLanes) {
+        match self.set {
+            InstructionSet::Baseline => boxes.of_lanes(corners, found),
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: as in `composite`.
+            InstructionSet::Avx2 => unsafe { boxes_avx2(boxes, corners, found) },
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: as in `composite`.
+            InstructionSet::Avx512 => unsafe { boxes_avx512(boxes, corners, found) },
+        }
+    }
+
+    /// [`KeyMaker::of_lanes`] for this instruction set.
+    pub(super) fn keys(self, keys: &KeyMaker, corners: &Corners, key: &mut [u32; LANES]) {
+        match self.set {
+            InstructionSet::Baseline => keys.of_lanes(corners, key),
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: as in `composite`.
+            InstructionSet::Avx2 => unsafe { keys_avx2(keys, corners, key) },
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: as in `composite`.
+            InstructionSet::Avx512 => unsafe { keys_avx512(keys, corners, key) },
+        }
     }
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn composite_avx2<O: Optics, S: Sink<O>>(tile: &TileFrame, optics: &O, order: &[Pair], hits: &mut Hits, sink: &mut S) {
-    // SAFETY: this function itself may run only where the processor has AVX2.
-    composite(tile, optics, order, unsafe { ByAvx2::new() }, hits, sink);
+#[target_feature(enable = "avx2,popcnt,bmi1,bmi2")]
+fn boxes_avx2(boxes: &PixelBoxes, corners: &Corners, found: &mut BoxLanes) {
+    boxes.of_lanes(corners, found);
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,popcnt,bmi1,bmi2")]
+fn boxes_avx512(boxes: &PixelBoxes, corners: &Corners, found: &mut BoxLanes) {
+    boxes.of_lanes(corners, found);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,popcnt,bmi1,bmi2")]
+fn keys_avx2(keys: &KeyMaker, corners: &Corners, key: &mut [u32; LANES]) {
+    keys.of_lanes(corners, key);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,popcnt,bmi1,bmi2")]
+fn keys_avx512(keys: &KeyMaker, corners: &Corners, key: &mut [u32; LANES]) {
+    keys.of_lanes(corners, key);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,popcnt,bmi1,bmi2")]
+fn composite_avx2<O: Optics, S: Sink<O>>(
+    tile: &TileFrame,
+    optics: &O,
+    order: &[Pair],
+    scratch: &mut Scratch,
+    sink: &mut S,
+) {
+    // SAFETY: this function itself may run only where the processor has AVX2.
+    composite(tile, optics, order, unsafe { ByAvx2::new() }, scratch, sink);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,popcnt,bmi1,bmi2")]
 fn composite_avx512<O: Optics, S: Sink<O>>(
     tile: &TileFrame,
     optics: &O,
     order: &[Pair],
-    hits: &mut Hits,
+    scratch: &mut Scratch,
     sink: &mut S,
 ) {
     // SAFETY: this function itself may run only where the processor has AVX-512 F.
-    composite(tile, optics, order, unsafe { ByAvx512::new() }, hits, sink);
+    composite(tile, optics, order, unsafe { ByAvx512::new() }, scratch, sink);
 }
 
-/// What is done for a hexahedron whatever the optical model: compiled once for each instruction set, not once more for each model.
-pub(super) trait HexKernels: Compress {
+/// What is done for cells whatever the optical model: compiled once for each instruction set, not once more for each model.
+pub(super) trait CellKernels: Simd {
+    /// [`TetBatch::set_up`].
+    fn set_up_tets(self, batch: &mut TetBatch, tile: &TileFrame, corners: &Corners);
+    /// [`tetrahedra::meet`].
+    fn meet_tets(
+        self,
+        hits: &mut TetHits,
+        tile: &TileFrame,
+        cells: (&TetBatch, &Corners),
+        lanes: Range<usize>,
+        done: &[u64; LANES],
+        log: &mut Log,
+    ) -> usize;
     /// [`HexFootprint::set_up`].
     fn set_up(self, footprint: &mut HexFootprint, rays: &TileRays, hexahedron: &Hexahedron<'_>);
     /// [`hexahedra::meet`].
@@ -163,7 +229,25 @@ fn set_up(footprint: &mut HexFootprint, rays: &TileRays, hexahedron: &Hexahedron
     footprint.set_up(rays, (vertex, shape), vertices, constant);
 }
 
-impl HexKernels for ByLane {
+impl CellKernels for ByLane {
+    #[inline(never)]
+    fn set_up_tets(self, batch: &mut TetBatch, tile: &TileFrame, corners: &Corners) {
+        batch.set_up(tile, corners);
+    }
+
+    #[inline(never)]
+    fn meet_tets(
+        self,
+        hits: &mut TetHits,
+        tile: &TileFrame,
+        cells: (&TetBatch, &Corners),
+        lanes: Range<usize>,
+        done: &[u64; LANES],
+        log: &mut Log,
+    ) -> usize {
+        tetrahedra::meet(hits, tile, cells, lanes, done, self, log)
+    }
+
     #[inline(never)]
     fn set_up(self, footprint: &mut HexFootprint, rays: &TileRays, hexahedron: &Hexahedron<'_>) {
         set_up(footprint, rays, hexahedron);
@@ -175,12 +259,30 @@ impl HexKernels for ByLane {
     }
 }
 
-macro_rules! hex_kernels {
-    ($by:ty, $features:literal, $set_up:ident, $meet:ident) => {
+macro_rules! cell_kernels {
+    ($by:ty, $features:literal, $set_up_tets:ident, $meet_tets:ident, $set_up:ident, $meet:ident) => {
         #[cfg(target_arch = "x86_64")]
-        impl HexKernels for $by {
-            fn set_up(self, footprint: &mut HexFootprint, rays: &TileRays, hexahedron: &Hexahedron<'_>) {
+        impl CellKernels for $by {
+            fn set_up_tets(self, batch: &mut TetBatch, tile: &TileFrame, corners: &Corners) {
                 // SAFETY: whoever made `self` vouched for the processor.
+                unsafe { $set_up_tets(batch, tile, corners) }
+            }
+
+            fn meet_tets(
+                self,
+                hits: &mut TetHits,
+                tile: &TileFrame,
+                cells: (&TetBatch, &Corners),
+                lanes: Range<usize>,
+                done: &[u64; LANES],
+                log: &mut Log,
+            ) -> usize {
+                // SAFETY: as above.
+                unsafe { $meet_tets(self, hits, (tile, cells), lanes, done, log) }
+            }
+
+            fn set_up(self, footprint: &mut HexFootprint, rays: &TileRays, hexahedron: &Hexahedron<'_>) {
+                // SAFETY: as above.
                 unsafe { $set_up(footprint, rays, hexahedron) }
             }
 
@@ -188,6 +290,25 @@ macro_rules! hex_kernels {
                 // SAFETY: as above.
                 unsafe { $meet(self, hits, tile, cell, done) }
             }
+        }
+
+        #[cfg(target_arch = "x86_64")]
+        #[target_feature(enable = $features)]
+        fn $set_up_tets(batch: &mut TetBatch, tile: &TileFrame, corners: &Corners) {
+            batch.set_up(tile, corners);
+        }
+
+        #[cfg(target_arch = "x86_64")]
+        #[target_feature(enable = $features)]
+        fn $meet_tets(
+            by: $by,
+            hits: &mut TetHits,
+            (tile, cells): (&TileFrame, (&TetBatch, &Corners)),
+            lanes: Range<usize>,
+            done: &[u64; LANES],
+            log: &mut Log,
+        ) -> usize {
+            tetrahedra::meet(hits, tile, cells, lanes, done, by, log)
         }
 
         #[cfg(target_arch = "x86_64")]
@@ -204,5 +325,12 @@ macro_rules! hex_kernels {
     };
 }
 
-hex_kernels!(ByAvx2, "avx2", set_up_avx2, meet_avx2);
-hex_kernels!(ByAvx512, "avx512f,avx512bw,avx512dq,avx512vl", set_up_avx512, meet_avx512);
+cell_kernels!(ByAvx2, "avx2,popcnt,bmi1,bmi2", set_up_tets_avx2, meet_tets_avx2, set_up_avx2, meet_avx2);
+cell_kernels!(
+    ByAvx512,
+    "avx512f,avx512bw,avx512dq,avx512vl,popcnt,bmi1,bmi2",
+    set_up_tets_avx512,
+    meet_tets_avx512,
+    set_up_avx512,
+    meet_avx512
+);

@@ -1,43 +1,15 @@
-//! The tiles of a picture, and those that a cell's box touches.
+//! The tiles that a cell's box touches.
 //!
-//! In: a view, pixel boxes. Out: tile numbers, row by row, and boxes of tiles packed in a word.
+//! In: pixel boxes. Out: boxes of tiles, packed in a word where they are small; the numbers of their tiles.
 
 use std::ops::Range;
 
-use crate::backends::TILE_PX;
-use crate::stages::View;
+use crate::backends::tiles::TILE_PX;
+pub(super) use crate::backends::tiles::TileGrid;
 use crate::stages::footprints::PixelBox;
 
 /// Side of a tile in pixels.
 pub(super) const TILE: u32 = TILE_PX;
-
-/// The tiles of a picture.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct TileGrid {
-    pub(super) columns: u32,
-    pub(super) rows: u32,
-}
-
-impl TileGrid {
-    pub(super) fn new(view: &View) -> Self {
-        let [columns, rows] = view.size_px.map(|side| side.div_ceil(TILE));
-        Self { columns, rows }
-    }
-
-    pub(super) fn len(self) -> usize {
-        self.columns as usize * self.rows as usize
-    }
-
-    /// The tiles of some rows of tiles.
-    pub(super) fn tiles(self, rows: &Range<u32>) -> Range<usize> {
-        (rows.start as usize * self.columns as usize)..(rows.end as usize * self.columns as usize)
-    }
-
-    /// Column and row of the tile's first pixel.
-    pub(super) fn origin_px(self, tile: usize) -> [u32; 2] {
-        [tile as u32 % self.columns * TILE, tile as u32 / self.columns * TILE]
-    }
-}
 
 /// Columns `x0..x1` and rows `y0..y1` of tiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,9 +36,9 @@ impl TileBox {
 
     /// Their numbers, row by row.
     #[inline]
-    pub(super) fn tiles(self, grid: TileGrid) -> impl Iterator<Item = usize> {
+    pub(super) fn tiles(self, grid: &TileGrid) -> impl Iterator<Item = usize> {
         let Self { x0, x1, y0, y1 } = self;
-        (y0..y1).flat_map(move |y| (x0..x1).map(move |x| y as usize * grid.columns as usize + x as usize))
+        (y0..y1).flat_map(move |y| (x0..x1).map(move |x| grid.number(x.into(), y.into())))
     }
 
     #[inline]
@@ -136,8 +108,10 @@ mod tests {
         let touched: Vec<_> = (0..8).map(|row| tiles.touches_rows(&(row..row + 1))).collect();
         assert_eq!(touched, [false, false, false, true, true, true, false, false]);
         assert_eq!(tiles.in_rows(&(4..9)), TileBox { y0: 4, ..tiles });
-        let grid = TileGrid { columns: 5, rows: 8 };
-        assert_eq!(tiles.in_rows(&(0..4)).tiles(grid).collect::<Vec<_>>(), [17, 18]);
+        let grid = TileGrid { columns: 0..5, rows: 0..8 };
+        assert_eq!(tiles.in_rows(&(0..4)).tiles(&grid).collect::<Vec<_>>(), [17, 18]);
         assert_eq!(grid.tiles(&(3..5)), 15..25);
+        let grid = TileGrid { columns: 2..4, rows: 3..8 };
+        assert_eq!(tiles.in_rows(&(0..5)).tiles(&grid).collect::<Vec<_>>(), [0, 1, 2, 3]);
     }
 }

@@ -8,8 +8,8 @@
     reason = "kernels must inline into the function compiled for wider vectors, and their loops over lanes become vector code"
 )]
 
-use super::compress::Compress;
 use super::hits::{Hits, NO_RAYS, Packed, get, put};
+use super::simd::Simd;
 use super::tile::{BLOCK, BLOCKS, BLOCKS_A_SIDE, LaneGrid, TileFrame, origin_of};
 use crate::optics::lanes::{mask, max, min, select};
 use crate::optics::{LANES, Lanes, Segments};
@@ -76,8 +76,8 @@ impl SurfaceLanes {
 
 /// Finds the rays that meet a hexahedron with a simple outline and cuts them to segments, but for the blocks in `done`.
 #[inline(always)]
-pub(super) fn meet(hits: &mut Hits, tile: &TileFrame, cell: &HexFootprint, compress: impl Compress, done: u64) {
-    hits.find_hexahedron(tile, cell, compress, done);
+pub(super) fn meet(hits: &mut Hits, tile: &TileFrame, cell: &HexFootprint, simd: impl Simd, done: u64) {
+    hits.find_hexahedron(tile, cell, simd, done);
     if tile.is_perspective() {
         hits.cut_hexahedron::<true>(cell);
     } else {
@@ -87,7 +87,7 @@ pub(super) fn meet(hits: &mut Hits, tile: &TileFrame, cell: &HexFootprint, compr
 
 impl Hits {
     #[inline(always)]
-    fn find_hexahedron(&mut self, tile: &TileFrame, cell: &HexFootprint, compress: impl Compress, done: u64) {
+    fn find_hexahedron(&mut self, tile: &TileFrame, cell: &HexFootprint, simd: impl Simd, done: u64) {
         let lanes = &tile.lanes;
         let [x0, x1, y0, y1] = cell.sides;
         let HexHits { fronts, backs, .. } = &mut self.of_hexahedron;
@@ -124,22 +124,18 @@ impl Hits {
                     v_leave[i] = max(v_leave[i], cell.v_min);
                     is_hit[i] = mask(v_enter[i] > v_leave[i]);
                 }
-                let hit = compress.bits(&is_hit);
-                self.begin_block(blocks, block, hit, rays);
-                put(&mut self.v_enter, rays, &compress.compress(hit, &v_enter));
-                put(&mut self.v_leave, rays, &compress.compress(hit, &v_leave));
-                put(
-                    &mut self.length_world_per_depth,
-                    rays,
-                    &compress.compress(hit, &tile.length_world_per_depth[block]),
-                );
+                let hit = simd.bits(&is_hit);
+                self.begin_block(blocks, block, hit);
+                put(&mut self.v_enter, rays, &simd.compress(hit, &v_enter));
+                put(&mut self.v_leave, rays, &simd.compress(hit, &v_leave));
+                put(&mut self.length_world_per_depth, rays, &simd.compress(hit, &tile.length_world_per_depth[block]));
                 if cell.s_min < cell.s_max {
                     let at = |axis: &Lanes, first: f32| axis.map(|offset| first + offset);
                     let of = &mut self.of_hexahedron;
-                    put(&mut of.enter_through, rays, &compress.compress(hit, &enter_through));
-                    put(&mut of.leave_through, rays, &compress.compress(hit, &leave_through));
-                    put(&mut of.x, rays, &compress.compress(hit, &at(&lanes.x, origin[0])));
-                    put(&mut of.y, rays, &compress.compress(hit, &at(&lanes.y, origin[1])));
+                    put(&mut of.enter_through, rays, &simd.compress(hit, &enter_through));
+                    put(&mut of.leave_through, rays, &simd.compress(hit, &leave_through));
+                    put(&mut of.x, rays, &simd.compress(hit, &at(&lanes.x, origin[0])));
+                    put(&mut of.y, rays, &simd.compress(hit, &at(&lanes.y, origin[1])));
                 }
                 blocks += usize::from(hit != 0);
                 rays += hit.count_ones() as usize;

@@ -3,10 +3,11 @@
 //! In: a [`Frame`](super::Frame) and an optical model. Out: an [`Image`](crate::image::Image), [`Counts`](super::Counts),
 //! spans in a [`Profile`](crate::profile::Profile).
 //! `compositor`: `project` → `bins` (per `block` of cells `cull`, `footprints`, `sort` keys; scatter to tiles) → per tile, by a
-//! `worker`: sort, `tile` (cell by cell: its `planes`, its `hits`; `hexahedra`, `crossed`) into a `sink` (`blend`, which
-//! puts late fragments of the `log` where they belong; `collect` and sort per pixel; `sum`) → picture.
+//! `worker`: sort, `composite` a `tile` (sixteen cells at a time: `gather` corners, `planes`, rays that meet `tetrahedra`, or `hexahedra` and
+//! `crossed` ones with their `hits`; fragments to the `log`) into a `sink` (`blend`, which puts late fragments where they belong; `collect`
+//! and sort per pixel; `sum`) → picture.
 //! Under a memory budget the bins are filled in `bands`, within what `budget` leaves, and blocks collected in `portions`.
-//! To add a way to composite: a sink; an instruction set: its kernels in `dispatch`, how it moves lanes in `compress`.
+//! To add a way to composite: a sink; an instruction set: its kernels in `dispatch`, how it moves lanes in `simd`.
 
 mod bands;
 mod bins;
@@ -14,20 +15,24 @@ mod blend;
 mod block;
 mod budget;
 mod collect;
+mod composite;
 mod compositor;
-mod compress;
 mod crossed;
 mod dispatch;
 mod fans;
+mod gather;
 mod grid;
 mod hexahedra;
 mod hits;
 mod log;
 mod planes;
 mod portions;
+mod prefetch;
+mod simd;
 mod sink;
 mod steep;
 mod sum;
+mod tetrahedra;
 mod tile;
 mod tile_source;
 mod worker;

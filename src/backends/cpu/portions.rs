@@ -8,8 +8,8 @@
 #![expect(clippy::inline_always, reason = "kernels must inline into the function compiled for wider vectors")]
 
 use super::collect::Collect;
-use super::compress::Compress;
 use super::log::Log;
+use super::simd::Simd;
 use super::sink::{Fragments, Sink};
 use super::tile::BLOCKS;
 use crate::optics::Optics;
@@ -37,8 +37,13 @@ impl<'a> Portion<'a> {
 
 impl<O: Optics> Sink<O> for Portion<'_> {
     #[inline(always)]
-    fn is_done(&self, block: usize, _: f32) -> bool {
-        self.blocks >> block & 1 == 0
+    fn is_any_done(&self) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn done(&self, _: f32) -> u64 {
+        !self.blocks
     }
 
     #[inline(always)]
@@ -47,11 +52,10 @@ impl<O: Optics> Sink<O> for Portion<'_> {
     }
 
     #[inline(always)]
-    fn accept(&mut self, compress: impl Compress, fragments: &Fragments, log: &mut Log) {
-        let hits: u32 = fragments.is_hit.iter().map(|is_hit| is_hit & 1).sum();
-        self.counts.fragments_from_block[fragments.block] += hits as usize;
+    fn accept(&mut self, simd: impl Simd, fragments: &Fragments, log: &mut Log) {
+        self.counts.fragments_from_block[fragments.block] += fragments.lanes.count_ones() as usize;
         if self.kept >> fragments.block & 1 == 1 {
-            Sink::<O>::accept(self.collect, compress, fragments, log);
+            Sink::<O>::accept(self.collect, simd, fragments, log);
         }
     }
 }

@@ -1,20 +1,19 @@
 //! Where a tile's fragments go, block by block: blended at once ([`blend`](super::blend)), collected and sorted per pixel
 //! ([`collect`](super::collect)), or added up ([`sum`](super::sum)).
 
-use super::compress::Compress;
 use super::log::Log;
-use crate::optics::{Contribution, Lanes, Mask, Optics};
+use super::simd::Simd;
+use crate::optics::{Contribution, Lanes, Optics};
 
 /// The fragments of one cell in one 4×4 block.
 pub(super) struct Fragments<'a> {
     /// The block in the tile.
     pub(super) block: usize,
-    /// The lanes that meet the cell, a bit each, and as a mask.
+    /// The lanes that meet the cell, a bit each.
     pub(super) lanes: u16,
-    pub(super) is_hit: &'a Mask,
-    /// Where the first of them stands in the log.
-    pub(super) ray: usize,
-    /// Inverse depth at entry.
+    /// Their record in the log.
+    pub(super) number: usize,
+    /// Inverse depth at entry; infinite in lanes that miss.
     pub(super) v_enter: &'a Lanes,
     /// What each lane's segment contributes; nothing in lanes that miss.
     pub(super) contribution: &'a Contribution,
@@ -22,10 +21,12 @@ pub(super) struct Fragments<'a> {
 
 /// Takes fragments, cells in the tile's order.
 pub(super) trait Sink<O: Optics> {
-    /// Whether the block takes no fragments of a cell whose nearest point has inverse depth `v_max`.
-    fn is_done(&self, block: usize, v_max: f32) -> bool;
+    /// Whether some blocks take no fragments of some cells.
+    fn is_any_done(&self) -> bool;
+    /// The blocks, a bit each, that take no fragments of a cell whose nearest point has inverse depth `v_max`.
+    fn done(&self, v_max: f32) -> u64;
     /// Whether no block takes fragments of any cell.
     fn is_all_done(&self) -> bool;
     /// Takes the fragments of one cell in one block.
-    fn accept(&mut self, compress: impl Compress, fragments: &Fragments, log: &mut Log);
+    fn accept(&mut self, simd: impl Simd, fragments: &Fragments, log: &mut Log);
 }

@@ -10,8 +10,8 @@
     reason = "kernels must inline into the function compiled for wider vectors, and their loops over lanes become vector code"
 )]
 
-use super::compress::Compress;
 use super::log::Log;
+use super::simd::Simd;
 use super::sink::{Fragments, Sink};
 use super::tile::BLOCKS;
 use crate::optics::{Contribution, LANES, Optics};
@@ -58,8 +58,13 @@ impl Sum {
 
 impl<O: Optics> Sink<O> for Sum {
     #[inline(always)]
-    fn is_done(&self, _: usize, _: f32) -> bool {
+    fn is_any_done(&self) -> bool {
         false
+    }
+
+    #[inline(always)]
+    fn done(&self, _: f32) -> u64 {
+        0
     }
 
     #[inline(always)]
@@ -68,7 +73,7 @@ impl<O: Optics> Sink<O> for Sum {
     }
 
     #[inline(always)]
-    fn accept(&mut self, _: impl Compress, fragments: &Fragments, _: &mut Log) {
+    fn accept(&mut self, _: impl Simd, fragments: &Fragments, _: &mut Log) {
         let block = fragments.block;
         let recent = &mut self.recent[block];
         for c in 0..4 {
@@ -91,7 +96,7 @@ impl<O: Optics> Sink<O> for Sum {
 
 #[cfg(test)]
 mod tests {
-    use super::super::compress::ByLane;
+    use super::super::simd::ByLane;
     use super::*;
     use crate::optics::{BandDepths, Lanes};
 
@@ -120,14 +125,8 @@ mod tests {
         for i in 0..100_003 {
             let lanes = depths(i);
             let contribution = [lanes; 4];
-            let fragments = Fragments {
-                block: 9,
-                lanes: u16::MAX,
-                is_hit: &[u32::MAX; LANES],
-                ray: 0,
-                v_enter: &[1.0; LANES],
-                contribution: &contribution,
-            };
+            let fragments =
+                Fragments { block: 9, lanes: u16::MAX, number: 0, v_enter: &[1.0; LANES], contribution: &contribution };
             Sink::<BandDepths>::accept(&mut sum, ByLane, &fragments, &mut Log::default());
             for lane in 0..LANES {
                 plain[lane] += lanes[lane];

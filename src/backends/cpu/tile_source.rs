@@ -1,31 +1,46 @@
 //! The tiles of some rows of tiles with their part of the picture, one after the other, for whoever asks next.
 
-use std::slice::ChunksMut;
+use std::ops::Range;
 
 use arrayvec::ArrayVec;
 
-use super::grid::TILE;
+use super::grid::{TILE, TileGrid};
+use crate::camera::Region;
 
 type Pixel = [f32; 4];
 
-/// A tile and the pixels it lends, row by row.
-pub(super) type LentTile<'a> = (usize, ArrayVec<&'a mut [Pixel], { TILE as usize }>);
+/// A tile and the pixels it lends.
+pub(super) struct LentTile<'a> {
+    pub(super) tile: usize,
+    /// Column and row in the tile of the first of them.
+    pub(super) first: [usize; 2],
+    /// They themselves, row by row.
+    pub(super) rows: ArrayVec<&'a mut [Pixel], { TILE as usize }>,
+}
 
 /// Hands out tiles, left to right, top to bottom.
 pub(super) struct TileSource<'a> {
-    width: usize,
-    /// Rows of tiles to come.
-    below: ChunksMut<'a, Pixel>,
-    /// The rows of pixels of the row at hand, from the next tile on.
-    rows: ArrayVec<ChunksMut<'a, Pixel>, { TILE as usize }>,
-    next: usize,
+    region: Region,
+    grid: &'a TileGrid,
+    /// The tiles to come.
+    tiles: Range<usize>,
+    /// Rows of pixels below the row of tiles at hand.
+    below: &'a mut [Pixel],
+    /// The rows of pixels of the row of tiles at hand, from the next tile on.
+    rows: ArrayVec<&'a mut [Pixel], { TILE as usize }>,
+}
+
+/// Splits the first `at` off `pixels`.
+fn take<'a>(pixels: &mut &'a mut [Pixel], at: usize) -> &'a mut [Pixel] {
+    let (taken, rest) = std::mem::take(pixels).split_at_mut(at);
+    *pixels = rest;
+    taken
 }
 
 impl<'a> TileSource<'a> {
-    /// The tiles from `first_tile` on, which begins a row, of the pixels from its first row on.
-    pub(super) fn new(pixels: &'a mut [Pixel], width: usize, first_tile: usize) -> Self {
-        let below = pixels.chunks_mut((width * TILE as usize).max(1));
-        Self { width, below, rows: ArrayVec::new(), next: first_tile }
+    /// The tiles of `rows`, some rows of those of `grid`, which are lent `pixels`: those of the region in these rows.
+    pub(super) fn new(region: Region, grid: &'a TileGrid, rows: &Range<u32>, pixels: &'a mut [Pixel]) -> Self {
+        Self { region, grid, tiles: grid.tiles(rows), below: pixels, rows: ArrayVec::new() }
     }
 }
 
@@ -33,15 +48,17 @@ impl<'a> Iterator for TileSource<'a> {
     type Item = LentTile<'a>;
 
     fn next(&mut self) -> Option<LentTile<'a>> {
-        loop {
-            let lent: ArrayVec<_, { TILE as usize }> = self.rows.iter_mut().filter_map(Iterator::next).collect();
-            if !lent.is_empty() {
-                self.next += 1;
-                return Some((self.next - 1, lent));
-            }
-            let row_of_tiles = self.below.next()?;
-            self.rows = row_of_tiles.chunks_mut(self.width).map(|row| row.chunks_mut(TILE as usize)).collect();
+        let tile = self.tiles.next()?;
+        let [x, y] = self.grid.origin_px(tile);
+        let (left, top) = (x.max(self.region.x0), y.max(self.region.y0));
+        if x <= self.region.x0 {
+            let width = self.region.size_px()[0] as usize;
+            let height = (y + TILE).min(self.region.y1) - top;
+            self.rows = (0..height).map(|_| take(&mut self.below, width)).collect();
         }
+        let width = (x + TILE).min(self.region.x1) - left;
+        let rows = self.rows.iter_mut().map(|row| take(row, width as usize)).collect();
+        Some(LentTile { tile, first: [(left - x) as usize, (top - y) as usize], rows })
     }
 }
 
@@ -51,20 +68,31 @@ mod tests {
 
     #[test]
     fn every_pixel_is_lent_once_to_its_tile() {
-        for (width, height) in [(1, 1), (32, 32), (33, 31), (70, 65), (31, 96)] {
-            let mut pixels = vec![[0.0; 4]; width * height];
-            for (tile, rows) in TileSource::new(&mut pixels, width, 100) {
-                for row in rows {
-                    for pixel in row {
-                        pixel[0] += tile as f32;
-                        pixel[1] += 1.0;
+        for [x0, y0, width, height] in
+            [[0, 0, 1, 1], [0, 0, 32, 32], [0, 0, 33, 31], [31, 95, 1, 1], [40, 7, 70, 65], [64, 31, 31, 96]]
+        {
+            let region = Region { x0, y0, x1: x0 + width, y1: y0 + height };
+            let grid = TileGrid::around(region);
+            let mut pixels = vec![[0.0; 4]; (width * height) as usize];
+            for rows in [grid.rows.start..grid.rows.start + 1, grid.rows.start + 1..grid.rows.end] {
+                let start_of = |row: u32| (row * TILE).clamp(y0, y0 + height) - y0;
+                let of_rows = [rows.start, rows.end].map(|row| (start_of(row) * width) as usize);
+                let source = TileSource::new(region, &grid, &rows, &mut pixels[of_rows[0]..of_rows[1]]);
+                for LentTile { tile, first, rows } in source {
+                    for (y, row) in rows.into_iter().enumerate() {
+                        for (x, pixel) in row.iter_mut().enumerate() {
+                            let [column, row] = [x + first[0], y + first[1]];
+                            assert!(column < TILE as usize && row < TILE as usize);
+                            let place = (row * TILE as usize + column) as f32;
+                            *pixel = [tile as f32, place, pixel[2] + 1.0, 0.0];
+                        }
                     }
                 }
             }
-            let columns = width.div_ceil(32);
             for (i, pixel) in pixels.iter().enumerate() {
-                let tile = 100 + i / width / 32 * columns + i % width / 32;
-                assert_eq!(pixel[..2], [tile as f32, 1.0], "{width}x{height}, pixel {i}");
+                let (x, y) = (x0 + i as u32 % width, y0 + i as u32 / width);
+                let expected = [grid.number(x / TILE, y / TILE) as f32, (y % TILE * TILE + x % TILE) as f32, 1.0];
+                assert_eq!(pixel[..3], expected, "{region}, pixel {i}");
             }
         }
     }

@@ -9,8 +9,8 @@ use super::bins::Bins;
 use super::blend::{Blend, Blending, OrderSlack};
 use super::budget::Plan;
 use super::collect::Collect;
+use super::composite::Scratch;
 use super::dispatch::Kernels;
-use super::hits::Hits;
 use super::portions::{BlockCounts, Portion};
 use super::sum::Sum;
 use super::tile::{PIXELS, TileFrame, place_of};
@@ -70,7 +70,7 @@ pub(super) struct Worker {
     blend: Blend,
     collect: Collect,
     sum: Sum,
-    hits: Hits,
+    composite: Scratch,
 }
 
 impl Default for Worker {
@@ -82,7 +82,7 @@ impl Default for Worker {
             blend: Blend::default(),
             collect: Collect::default(),
             sum: Sum::default(),
-            hits: Hits::default(),
+            composite: Scratch::default(),
         }
     }
 }
@@ -101,11 +101,11 @@ impl Worker {
         }
         let mut drawn = Drawn::default();
         let mut looked = Instant::now();
-        while let Some((tile, rows)) = next() {
+        while let Some(LentTile { tile, first, rows }) = next() {
             drawn = drawn.sum(self.draw_tile(task, tile));
             for (y, row) in rows.into_iter().enumerate() {
                 for (x, pixel) in row.iter_mut().enumerate() {
-                    *pixel = self.pixels[place_of(x, y)];
+                    *pixel = self.pixels[place_of(first[0] + x, first[1] + y)];
                 }
             }
             if looked.elapsed() > LOOK {
@@ -136,9 +136,9 @@ impl Worker {
         let _span = tracing::trace_span!("composite").entered();
         let frame = TileFrame::new(task.frame, task.bins.grid.origin_px(tile));
         if O::IS_SUM {
-            let Self { order, hits, sum, .. } = self;
+            let Self { order, composite, sum, .. } = self;
             sum.reset();
-            task.kernels.composite(&frame, task.optics, order, hits, sum);
+            task.kernels.composite(&frame, task.optics, order, composite, sum);
             for (pixel, contribution) in out.iter_mut().zip(sum.contributions()) {
                 *pixel = task.optics.pixel(contribution);
             }
@@ -158,10 +158,10 @@ impl Worker {
     /// nothing is drawn and their number returned.
     fn draw_again<O: Optics>(&mut self, task: &TileTask<O>, frame: &TileFrame, blocks: u64) -> usize {
         let _span = tracing::trace_span!("draw_again").entered();
-        let Self { order, hits, collect, pixels, .. } = self;
+        let Self { order, composite, collect, pixels, .. } = self;
         let mut draw = |portion: u64| -> BlockCounts {
             let mut sink = Portion::new(blocks, portion, collect);
-            task.kernels.composite(frame, task.optics, order, hits, &mut sink);
+            task.kernels.composite(frame, task.optics, order, composite, &mut sink);
             let counts = sink.into_counts();
             collect.composite(task.optics, pixels);
             counts
@@ -186,14 +186,14 @@ impl Worker {
 
     /// Draws the tile; one bit for each block in which a fragment came too late.
     fn blend<O: Optics>(&mut self, task: &TileTask<O>, frame: &TileFrame, counts: &mut Counts) -> u64 {
-        let Self { order, hits, blend, pixels, .. } = self;
+        let Self { order, composite, blend, pixels, .. } = self;
         let absolute = if task.frame.view.is_perspective { 0.0 } else { ORDER_SLACK };
         blend.reset::<O>(Blending {
             is_exact: O::IS_ORDERED && task.frame.is_exact,
             stop_transmittance: task.frame.stop_transmittance,
             slack: OrderSlack { relative: ORDER_SLACK, absolute },
         });
-        task.kernels.composite(frame, task.optics, order, hits, blend);
+        task.kernels.composite(frame, task.optics, order, composite, blend);
         for (pixel, contribution) in pixels.iter_mut().zip(blend.contributions()) {
             *pixel = task.optics.pixel(contribution);
         }

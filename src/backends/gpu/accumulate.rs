@@ -4,7 +4,8 @@ use half::f16;
 use wgpu::{TextureFormat, TextureUsages};
 
 use super::{Gpu, late};
-use crate::backends::TILE_PX;
+use crate::backends::tiles::TileGrid;
+use crate::camera::Region;
 use crate::image::Image;
 
 /// Textures of one size.
@@ -52,14 +53,15 @@ impl Targets {
         }
     }
 
-    /// Puts some tiles of `image`, of the same size, in the place of what was accumulated.
-    pub(super) fn replace_tiles(&self, gpu: &Gpu, image: &Image, tiles: &[bool]) {
-        let [width, height] = self.size_px;
-        let columns = width.div_ceil(TILE_PX);
+    /// Puts some tiles of `image`, which shows `region`, in the place of what was accumulated.
+    pub(super) fn replace_tiles(&self, gpu: &Gpu, image: &Image, region: Region, tiles: &[bool]) {
+        let [width, _] = self.size_px;
+        let grid = TileGrid::around(region);
         for tile in (0..).zip(tiles).filter(|(_, is_late)| **is_late).map(|(tile, _)| tile) {
-            let [x, y] = [tile % columns, tile / columns].map(|first: u32| first * TILE_PX);
-            let [width_of, height_of] = [TILE_PX.min(width - x), TILE_PX.min(height - y)];
-            let row = |row: u32| &image.pixels[(row * width + x) as usize..][..width_of as usize];
+            let of_tile = grid.pixels_in(region, tile);
+            let [x, y] = [of_tile.x0 - region.x0, of_tile.y0 - region.y0];
+            let [width_of, height_of] = of_tile.size_px();
+            let row = |row: u32| &image.pixels[row as usize * width as usize + x as usize..][..width_of as usize];
             let pixels: Vec<[f32; 4]> = (y..y + height_of).flat_map(row).copied().collect();
             let bytes = match self.accumulated_texture.format() {
                 TextureFormat::Rgba16Float => {

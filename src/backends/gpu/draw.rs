@@ -98,7 +98,7 @@ impl GpuCompositor {
         Ok((image, counts))
     }
 
-    /// Draws one frame into a texture of the size of the view, premultiplied and linear (absorption: not premultiplied).
+    /// Draws one frame into a texture of the size of what the view draws, premultiplied and linear (absorption: not premultiplied).
     ///
     /// # Errors
     /// As [`GpuCompositor::draw`], and [`Error::Option`] where the texture does not fit.
@@ -111,8 +111,8 @@ impl GpuCompositor {
         profile: &mut Profile,
     ) -> Result<Counts> {
         let size = [texture.width(), texture.height()];
-        if size != frame.view.size_px || !texture.usage().contains(wgpu::TextureUsages::RENDER_ATTACHMENT) {
-            let [width, height] = frame.view.size_px;
+        if size != frame.view.region.size_px() || !texture.usage().contains(wgpu::TextureUsages::RENDER_ATTACHMENT) {
+            let [width, height] = frame.view.region.size_px();
             let problem = format!("a texture of {size:?}; a render attachment of {width}x{height} pixels is needed");
             return Err(Error::Option { option: "texture", problem });
         }
@@ -227,7 +227,7 @@ impl GpuCompositor {
             counts.violations = fragments;
             counts.tiles_redone = tiles.iter().filter(|is_late| **is_late).count() as u64;
             if counts.tiles_redone > 0 {
-                targets.replace_tiles(&self.gpu, &redo(&tiles, profile)?, &tiles);
+                targets.replace_tiles(&self.gpu, &redo(&tiles, profile)?, frame.view.region, &tiles);
             }
         }
         Ok(counts)
@@ -242,14 +242,15 @@ impl GpuCompositor {
         let Some(pipelines) = &mut self.pipelines else { return Ok(()) };
         pipelines.write_frame(gpu, frame)?;
         pipelines.prepare_resolve(gpu, PICTURE_FORMAT);
-        let size_px = frame.view.size_px;
+        let region = frame.view.region;
+        let size_px = region.size_px();
         if self.targets.as_ref().is_none_or(|(targets, ..)| targets.size_px != size_px) {
             let [width, height] = size_px;
             let limits = gpu.device.limits();
             let side = limits.max_texture_dimension_2d;
             if width.max(height) > side || Readback::bytes(size_px) > limits.max_buffer_size {
                 let problem = format!(
-                    "{width}x{height}; {} draws at most {side} pixels a side, {} in all",
+                    "{width}x{height}; {} draws at most {side} pixels a side, {} in all; draw it in parts, by --region",
                     gpu.adapter(),
                     limits.max_buffer_size / Readback::PIXEL as u64
                 );
@@ -266,8 +267,8 @@ impl GpuCompositor {
             let ring = Ring::new(gpu, &pipelines.fans_layout, left)?;
             self.targets = Some((Targets::new(gpu, size_px), Readback::new(gpu, size_px), ring));
         }
-        if is_checked(frame, shading) && self.late.as_ref().is_none_or(|late| !late.is_for(size_px)) {
-            self.late = Some(LateTiles::new(gpu, &pipelines.late_layout, size_px));
+        if is_checked(frame, shading) && self.late.as_ref().is_none_or(|late| !late.is_for(region)) {
+            self.late = Some(LateTiles::new(gpu, &pipelines.late_layout, region));
         }
         Ok(())
     }

@@ -9,12 +9,13 @@ use rayon::prelude::*;
 use wgpu::{BufferUsages, TextureFormat};
 
 use super::Gpu;
-use crate::backends::TILE_PX;
+use crate::backends::tiles::TileGrid;
+use crate::camera::Region;
 use crate::error::Result;
 
-/// Depth buffer, stencil and marks for pictures of one size.
+/// Depth buffer, stencil and marks for pictures of one region.
 pub(super) struct LateTiles {
-    size_px: [u32; 2],
+    region: Region,
     depth_stencil: wgpu::Texture,
     view: wgpu::TextureView,
     /// A word for each tile; read by what checks the order.
@@ -63,7 +64,9 @@ pub(super) fn depth_stencil_state(gpu: &Gpu) -> wgpu::DepthStencilState {
 }
 
 impl LateTiles {
-    pub(super) fn new(gpu: &Gpu, layout: &wgpu::BindGroupLayout, [width, height]: [u32; 2]) -> Self {
+    pub(super) fn new(gpu: &Gpu, layout: &wgpu::BindGroupLayout, region: Region) -> Self {
+        let size_px = region.size_px();
+        let [width, height] = size_px;
         let depth_stencil = gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("order"),
             size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
@@ -78,8 +81,7 @@ impl LateTiles {
             let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
             gpu.device.create_buffer(&descriptor)
         };
-        let size_px = [width, height];
-        let marks_bytes = 4 * u64::from(columns(size_px) * rows(size_px));
+        let marks_bytes = 4 * TileGrid::around(region).len() as u64;
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let marks = buffer("late tiles", marks_bytes, usage);
         let usage = BufferUsages::COPY_DST | BufferUsages::MAP_READ;
@@ -90,12 +92,12 @@ impl LateTiles {
             entries: &[wgpu::BindGroupEntry { binding: 0, resource: marks.as_entire_binding() }],
         });
         let view = depth_stencil.create_view(&wgpu::TextureViewDescriptor::default());
-        Self { size_px, depth_stencil, view, marks, binding, read_back }
+        Self { region, depth_stencil, view, marks, binding, read_back }
     }
 
-    /// Whether it is for pictures of this size.
-    pub(super) fn is_for(&self, size_px: [u32; 2]) -> bool {
-        self.size_px == size_px
+    /// Whether it is for this region.
+    pub(super) fn is_for(&self, region: Region) -> bool {
+        self.region == region
     }
 
     /// Forgets the last frame's marks.
@@ -120,7 +122,7 @@ impl LateTiles {
     /// Waits for the frame's passes and finds the tiles.
     pub(super) fn find(&self, gpu: &Gpu) -> Result<Late> {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let bytes_per_row = Some(stencil_row(self.size_px));
+        let bytes_per_row = Some(stencil_row(self.region.size_px()));
         let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
         encoder.copy_texture_to_buffer(
             wgpu::TexelCopyTextureInfo {
@@ -130,7 +132,7 @@ impl LateTiles {
             wgpu::TexelCopyBufferInfo { buffer: &self.read_back, layout },
             self.depth_stencil.size(),
         );
-        let at = stencil_bytes(self.size_px);
+        let at = stencil_bytes(self.region.size_px());
         encoder.copy_buffer_to_buffer(&self.marks, 0, &self.read_back, at, self.marks.size());
         gpu.queue.submit([encoder.finish()]);
         self.read_back.map_async(wgpu::MapMode::Read, .., |_| {});
@@ -145,27 +147,19 @@ impl LateTiles {
     }
 
     fn late(&self, stencil: &[u8], marks: &[u8]) -> Late {
-        let ([width, height], columns) = (self.size_px.map(|side| side as usize), columns(self.size_px) as usize);
-        let row_bytes = stencil_row(self.size_px) as usize;
+        let grid = TileGrid::around(self.region);
+        let row_bytes = stencil_row(self.region.size_px()) as usize;
         let of_tile = |tile: usize| -> u64 {
-            let [x, y] = [tile % columns, tile / columns].map(|first| first * TILE_PX as usize);
-            let end = |first: usize, side: usize| (first + TILE_PX as usize).min(side);
-            let row = |y: usize| &stencil[y * row_bytes..][x..end(x, width)];
-            (y..end(y, height)).flat_map(row).map(|&late| u64::from(late)).sum()
+            let Region { x0, y0, x1, y1 } = grid.pixels_in(self.region, tile);
+            let columns = (x0 - self.region.x0) as usize..(x1 - self.region.x0) as usize;
+            let row = |y: u32| &stencil[(y - self.region.y0) as usize * row_bytes..][columns.clone()];
+            (y0..y1).flat_map(row).map(|&late| u64::from(late)).sum()
         };
-        let fragments: Vec<u64> = (0..columns * rows(self.size_px) as usize).into_par_iter().map(of_tile).collect();
+        let fragments: Vec<u64> = (0..grid.len()).into_par_iter().map(of_tile).collect();
         let marks = marks.chunks_exact(4).map(|word| word != [0; 4]);
         let tiles = fragments.iter().zip(marks).map(|(&late, is_marked)| late > 0 || is_marked);
         Late { tiles: tiles.collect(), fragments: fragments.iter().sum() }
     }
-}
-
-fn columns([width, _]: [u32; 2]) -> u32 {
-    width.div_ceil(TILE_PX)
-}
-
-fn rows([_, height]: [u32; 2]) -> u32 {
-    height.div_ceil(TILE_PX)
 }
 
 /// Bytes from row to row of the stencil that is read back, and of all of it.

@@ -3,6 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use crate::backends::Frame;
+use crate::backends::tiles::TileGrid;
 use crate::optics::texture::OpacityTexture;
 use crate::optics::{BandPiece, LinearPiece, Pieces};
 use crate::stages::View;
@@ -27,6 +28,9 @@ pub(super) struct FrameUniform {
     pub(super) s_scale: f32,
     pub(super) order_scale: f32,
     pub(super) order_offset: f32,
+    pub(super) first_px: [f32; 2],
+    pub(super) tile_columns: u32,
+    pub(super) first_tile: u32,
 }
 
 /// `Piece` of `shaders/pieces.wgsl`.
@@ -76,7 +80,9 @@ impl FrameUniform {
     pub(super) fn new(frame: &Frame, texels: Texels, (s_middle, s_scale): (f32, f32)) -> Self {
         let (view, intervals) = (frame.view, frame.intervals());
         let [order_scale, order_offset] = order_from_inverse_depth(frame);
-        let [width, height] = view.size_px.map(|side| side as f32);
+        let [width, height] = view.region.size_px().map(|side| side as f32);
+        let tiles = TileGrid::new(view);
+        let tile_columns = tiles.columns.len() as u32;
         let world = |direction: glam::DVec3| (direction * view.world_per_scene).as_vec3().to_array();
         let (ray, step_x, step_y) = if view.is_perspective {
             (view.forward + view.corner, view.step_x, view.step_y)
@@ -102,6 +108,9 @@ impl FrameUniform {
             s_scale,
             order_scale,
             order_offset,
+            first_px: [view.region.x0 as f32, view.region.y0 as f32],
+            tile_columns,
+            first_tile: tiles.rows.start * tile_columns + tiles.columns.start,
         }
     }
 }

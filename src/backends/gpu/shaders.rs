@@ -3,7 +3,7 @@
 //! In: model, integral, what may stand among the fans. Out: WGSL text; a module of it. Release builds leave out the run-time checks of bounds and loops.
 #![expect(unsafe_code, reason = "shader modules without run-time checks")]
 
-use crate::backends::TILE_PX;
+use crate::backends::tiles::TILE_PX;
 use crate::optics::{Integral, Model, Output, Shading, wgsl};
 use crate::stages::fans::{Contents, PlanesFor};
 

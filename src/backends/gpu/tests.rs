@@ -52,7 +52,7 @@ fn shaders_parse_and_read_what_rust_writes() {
         let frame = offsets!(
             FrameUniform: ndc_scale, ndc_offset, ray, is_perspective, ray_step_x, piece_count, ray_step_y, v_far,
             v_near, texels, texels_per_length, texels_per_extinction, s_middle, s_scale,
-            order_scale, order_offset
+            order_scale, order_offset, first_px, tile_columns, first_tile
         );
         assert_eq!(members(&module, "Frame"), frame, "{shading:?}");
         let piece = offsets!(

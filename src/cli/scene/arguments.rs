@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use cellfan::optics::Output;
 use cellfan::stages::fans::Faces;
-use cellfan::{CpuMethod, Integral, Model, SortMethod};
+use cellfan::{CpuMethod, Integral, Model, Region, SortMethod};
 use clap::Args;
 
-use crate::cli::arguments::{Cells, bytes, length, named, one_of, size, transmittance, view};
+use crate::cli::arguments::{Cells, bytes, length, named, one_of, region, size, transmittance, view};
 
 /// What draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +56,10 @@ pub(in crate::cli) struct Arguments {
     /// Size in pixels; goes before the camera's [default: 512x512].
     #[arg(long, value_name = "WxH", help_heading = "View", value_parser = size)]
     pub(super) size: Option<[u32; 2]>,
+    /// Draw only the pixels from column X0 to before X1 and from row Y0 to before Y1 of that size, with the values that they have in
+    /// the whole picture: for walls of displays, and for pictures of up to 32768x32768 part by part [default: all].
+    #[arg(long, value_name = "X0,Y0,X1,Y1", help_heading = "View", value_parser = region, allow_hyphen_values = true)]
+    pub(super) region: Option<Region>,
 
     /// What draws; auto takes a real GPU if there is one and the other options allow it, and the CPU otherwise.
     #[arg(long, help_heading = "Method", default_value = "auto", value_parser = one_of([("auto", Backend::Auto), ("gpu", Backend::Gpu), ("cpu", Backend::Cpu)]))]

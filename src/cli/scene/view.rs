@@ -1,6 +1,6 @@
 //! Where the picture is taken from: a camera file, a direction, or the default direction.
 
-use cellfan::{Camera, Dataset, Error, Result};
+use cellfan::{Camera, Dataset, Error, Region, Result};
 
 use super::Arguments;
 
@@ -14,25 +14,29 @@ const DEFAULT_SIZE: [u32; 2] = [512, 512];
 pub(super) enum ViewSource {
     /// A camera file, read and checked.
     Camera(Camera),
-    /// A direction and a size, from which the mesh is framed.
-    Framing { view: [f64; 2], size: [u32; 2] },
+    /// A direction and a size, from which the mesh is framed, and what is drawn of it.
+    Framing { view: [f64; 2], size: [u32; 2], region: Option<Region> },
 }
 
 impl ViewSource {
     /// Reads what can be read before the mesh.
     ///
     /// # Errors
-    /// [`Error::Io`], [`Error::Camera`].
+    /// [`Error::Io`], [`Error::Camera`]; [`Error::Option`] where the region is no part of the picture.
     pub(super) fn load(arguments: &Arguments) -> Result<Self> {
         let Some(path) = &arguments.camera else {
             let view = arguments.view.unwrap_or(DEFAULT_VIEW);
-            return Ok(Self::Framing { view, size: arguments.size.unwrap_or(DEFAULT_SIZE) });
+            let size = arguments.size.unwrap_or(DEFAULT_SIZE);
+            arguments.region.map(|region| region.check(size)).transpose()?;
+            return Ok(Self::Framing { view, size, region: arguments.region });
         };
         let text = std::fs::read_to_string(path).map_err(|source| Error::Io { path: path.clone(), source })?;
         let mut camera = Camera::from_json(&text).map_err(|error| error.in_file(path))?;
         if let Some([width, height]) = arguments.size {
             (camera.width, camera.height) = (width, height);
         }
+        camera.region = arguments.region.or(camera.region);
+        camera.frame()?;
         Ok(Self::Camera(camera))
     }
 
@@ -41,14 +45,16 @@ impl ViewSource {
     /// # Errors
     /// [`Error::Camera`] where the mesh cannot be framed.
     pub(super) fn make(self, dataset: &Dataset) -> Result<(Camera, String)> {
-        match self {
-            Self::Camera(camera) => Ok((camera, "camera file".to_owned())),
-            Self::Framing { view: [azimuth, elevation], size: [width, height] } => {
+        let (camera, note) = match self {
+            Self::Camera(camera) => (camera, "camera file".to_owned()),
+            Self::Framing { view: [azimuth, elevation], size: [width, height], region } => {
                 let corners = dataset.bounds.corners().map(|corner| dataset.origin + corner.as_dvec3());
-                let camera = Camera::framing(&corners, azimuth, elevation, width, height);
+                let camera = Camera { region, ..Camera::framing(&corners, azimuth, elevation, width, height) };
                 camera.frame()?;
-                Ok((camera, format!("view {azimuth},{elevation}")))
+                (camera, format!("view {azimuth},{elevation}"))
             }
-        }
+        };
+        let part = camera.region.map(|region| format!(", region {region} of {}x{}", camera.width, camera.height));
+        Ok((camera, note + &part.unwrap_or_default()))
     }
 }

@@ -11,7 +11,8 @@ use glam::{DVec3, Vec2, Vec3};
 
 use super::polyhedra::{CellFans, FanVertex, ProjectedCorner};
 use super::tetrahedra::Tet;
-use super::{Fan, FanInput};
+use super::{Fan, FanInput, is_far_outside};
+use crate::camera::Region;
 use crate::cells::{CellKind, HEXAHEDRON, PYRAMID, WEDGE};
 use crate::columns::{HexShape, split_hexahedron};
 use crate::stages::View;
@@ -87,7 +88,9 @@ impl FanInput<'_> {
         let (vertex, shape) = (self.hexahedra.get(number), self.hexahedra.shape(number));
         let constant = self.cell_values.map(|values| values[cell]);
         let seen = vertex.map(|v| self.screen[v as usize]);
-        if seen.iter().any(|corner| corner.depth < self.view.near || self.is_far_outside(corner)) {
+        // Parts and case are not the same picture where a face is warped: regions have those of the whole.
+        let whole = Region::whole(self.view.size_px);
+        if seen.iter().any(|corner| corner.depth < self.view.near || is_far_outside(whole, corner)) {
             return Drawn::Parts(Box::new(self.parts(vertex, shape, constant)));
         }
         let (kind, hexahedron_corners) = kind_of(vertex);

@@ -14,7 +14,10 @@ use std::ops::Range;
 
 use glam::{Vec2, Vec3};
 
+use self::planes::Corners;
+use crate::camera::Region;
 use crate::columns::{BlockCells, BlockView, Bounds};
+use crate::optics::lanes::{LANES, Mask, mask, max, min};
 use crate::stages::{PixelProjection, SceneVertex, ScreenVertex, View};
 
 /// The pixels of a box: columns `x0..x1`, rows `y0..y1` (ends exclusive).
@@ -30,21 +33,53 @@ pub struct PixelBox {
     pub y1: u16,
 }
 
+/// The boxes of sixteen cells, one a lane.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BoxLanes {
+    columns: [u32; LANES],
+    rows: [u32; LANES],
+    /// Whether a cell comes before the near plane: its box is not known then.
+    pub crosses_near: Mask,
+    /// Whether it may cover a pixel centre.
+    pub is_seen: Mask,
+}
+
+impl BoxLanes {
+    /// The box in a lane.
+    #[inline]
+    pub fn get(&self, lane: usize) -> PixelBox {
+        let [x0, x1] = [self.columns[lane] as u16, (self.columns[lane] >> 16) as u16];
+        let [y0, y1] = [self.rows[lane] as u16, (self.rows[lane] >> 16) as u16];
+        PixelBox { x0, x1, y0, y1 }
+    }
+}
+
 /// What maps cells to pixel boxes for one view.
 #[derive(Clone, Copy, Debug)]
 pub struct PixelBoxes {
     projection: PixelProjection,
     near: f32,
     far: f32,
-    size_px: Vec2,
+    /// Boxes are cut to these columns and rows: from `first_px` to before `end_px`.
+    first_px: Vec2,
+    end_px: Vec2,
     pad_px: f32,
 }
 
 impl PixelBoxes {
-    /// For one view.
+    /// For the whole picture of one view.
     pub fn new(view: &View) -> Self {
-        let size_px = Vec2::from_array(view.size_px.map(|side| side as f32));
-        Self { projection: view.projection(), near: view.near, far: view.far, size_px, pad_px: view.pad_px() }
+        let (projection, pad_px) = (view.projection(), view.pad_px());
+        let whole =
+            Self { projection, near: view.near, far: view.far, first_px: Vec2::ZERO, end_px: Vec2::ZERO, pad_px };
+        whole.within(Region::whole(view.size_px))
+    }
+
+    /// The same boxes, as far as they lie in `region`.
+    #[must_use]
+    pub fn within(self, Region { x0, y0, x1, y1 }: Region) -> Self {
+        let px = |x: u32, y: u32| Vec2::new(x as f32, y as f32);
+        Self { first_px: px(x0, y0), end_px: px(x1, y1), ..self }
     }
 
     /// The pixels whose centres the cell may cover; `None` if there is none.
@@ -85,6 +120,34 @@ impl PixelBoxes {
         Some((pixels, [nearest.max(self.near), farthest]))
     }
 
+    /// The same for the sixteen tetrahedra of `corners`, which no compiler needs to be told how to do in lanes.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "part of kernels that are compiled for wider vectors")]
+    pub fn of_lanes(&self, corners: &Corners, found: &mut BoxLanes) {
+        let (first_px, end_px) = (self.first_px.to_array(), self.end_px.to_array());
+        for i in 0..LANES {
+            let (mut low, mut high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
+            let mut nearest = f32::INFINITY;
+            for k in 0..4 {
+                let p = self.projection.project(corners.position(k, i));
+                (low, high) = ([min(low[0], p.x), min(low[1], p.y)], [max(high[0], p.x), max(high[1], p.y)]);
+                nearest = min(nearest, p.z);
+            }
+            // As `around`, by truncation of what is not negative.
+            let first = |low: f32, axis: usize| {
+                let edge = min(max(low - self.pad_px, first_px[axis]), end_px[axis]);
+                let whole = edge as i32;
+                whole + i32::from((whole as f32) < edge)
+            };
+            let end = |high: f32, axis: usize| min(max(high + self.pad_px + 1.0, first_px[axis]), end_px[axis]) as i32;
+            let [x0, x1] = [first(low[0], 0), end(high[0], 0)];
+            let [y0, y1] = [first(low[1], 1), end(high[1], 1)];
+            (found.columns[i], found.rows[i]) = (x0 as u32 | (x1 as u32) << 16, y0 as u32 | (y1 as u32) << 16);
+            found.crosses_near[i] = mask(nearest < self.near);
+            found.is_seen[i] = mask(x0 < x1) & mask(y0 < y1) & mask(nearest <= self.far);
+        }
+    }
+
     /// Appends the cells among `cell_from_visible` that may cover a pixel centre, and their boxes.
     pub fn of_cells(
         &self,
@@ -113,7 +176,7 @@ impl PixelBoxes {
     }
 
     /// The rows of pixels that cells in `bounds` may touch; `None` where nothing in it can be seen: all before the near plane,
-    /// beyond the far one, or beside the picture.
+    /// beyond the far one, or beside the pixels that boxes are cut to.
     pub fn rows_of_bounds(&self, bounds: Bounds, view: &View) -> Option<Range<u16>> {
         // A block none of whose cells is drawn has an empty box.
         if bounds.min.cmpgt(bounds.max).any() {
@@ -127,18 +190,19 @@ impl PixelBoxes {
         if farthest < self.near || nearest > self.far {
             return None;
         }
-        let whole = 0..self.size_px.y as u16;
-        if nearest < self.near {
-            return Some(whole);
+        let all = self.first_px.y as u16..self.end_px.y as u16;
+        // A vertex and the corners of its block are rounded on their own, by some ulp of their distance. Near the eye that may be
+        // any number of pixels: there any row may be touched.
+        let reach = positions.iter().fold(0.0, |far: f32, &p| far.max(p.distance(view.eye.as_vec3())));
+        if nearest < self.near + 1e-5 * reach || (view.is_perspective && nearest < 1e-3 * reach) {
+            return Some(all);
         }
+        let rounding = 1e-6 * reach * self.projection.px_per_unit() / if view.is_perspective { nearest } else { 1.0 };
+        let margin = Vec2::splat(1.0 + rounding);
         let low = corners.iter().fold(Vec2::INFINITY, |low, corner| low.min(corner.truncate()));
         let high = corners.iter().fold(Vec2::NEG_INFINITY, |high, corner| high.max(corner.truncate()));
-        let rows = self.around(low - Vec2::ONE, high + Vec2::ONE)?;
-        // A vertex and the corners of its block are rounded on their own. That is a small part of a pixel unless the block
-        // comes near to the eye, where a thousandth of its distance shifts a vertex by a pixel: then any row may be touched.
-        let reach = positions.iter().fold(0.0, |far: f32, &p| far.max(p.distance(view.eye.as_vec3())));
-        let is_near = nearest < self.near + 1e-5 * reach || (view.is_perspective && nearest < 1e-3 * reach);
-        Some(if is_near { whole } else { rows.y0.saturating_sub(1)..(rows.y1 + 1).min(whole.end) })
+        let rows = self.around(low - margin, high + margin)?;
+        Some(rows.y0.saturating_sub(1).max(all.start)..(rows.y1 + 1).min(all.end))
     }
 
     /// The box around the part of a cell, or of a face, that lies behind the near plane.
@@ -169,8 +233,8 @@ impl PixelBoxes {
     #[inline]
     fn around(&self, low: Vec2, high: Vec2) -> Option<PixelBox> {
         // Pixel centres are whole numbers: the first at or after the low edge, the last at or before the high one.
-        let first = (low - self.pad_px).ceil().clamp(Vec2::ZERO, self.size_px);
-        let end = ((high + self.pad_px).floor() + 1.0).clamp(Vec2::ZERO, self.size_px);
+        let first = (low - self.pad_px).ceil().clamp(self.first_px, self.end_px);
+        let end = ((high + self.pad_px).floor() + 1.0).clamp(self.first_px, self.end_px);
         (first.x < end.x && first.y < end.y).then_some(PixelBox {
             x0: first.x as u16,
             x1: end.x as u16,

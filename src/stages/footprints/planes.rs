@@ -140,7 +140,7 @@ pub(super) struct Extent {
 impl TileRays {
     /// Whether rays leave the eye.
     #[inline(always)]
-    pub(super) fn is_perspective(&self) -> bool {
+    pub fn is_perspective(&self) -> bool {
         self.is_perspective
     }
 
@@ -201,7 +201,8 @@ pub struct Corners<const N: usize = LANES> {
 }
 
 impl<const N: usize> Affine<N> {
-    const ZERO: Self = Self { c: [0.0; N], x: [0.0; N], y: [0.0; N] };
+    /// 0 everywhere.
+    pub const ZERO: Self = Self { c: [0.0; N], x: [0.0; N], y: [0.0; N] };
 }
 
 impl<const N: usize> Default for Batch<N> {
@@ -243,14 +244,18 @@ impl<const N: usize> Corners<N> {
     /// Positions and scalars of the cell in lane `i`. Written out: a closure per corner keeps the loop over lanes scalar.
     #[inline(always)]
     fn get(&self, i: usize) -> ([Vec3; 4], [f32; 4]) {
-        (
-            [self.position(0, i), self.position(1, i), self.position(2, i), self.position(3, i)],
-            [self.s[0][i], self.s[1][i], self.s[2][i], self.s[3][i]],
-        )
+        (self.positions(i), [self.s[0][i], self.s[1][i], self.s[2][i], self.s[3][i]])
     }
 
+    /// The corners of the cell in lane `i`.
     #[inline(always)]
-    fn position(&self, k: usize, i: usize) -> Vec3 {
+    pub fn positions(&self, i: usize) -> [Vec3; 4] {
+        [self.position(0, i), self.position(1, i), self.position(2, i), self.position(3, i)]
+    }
+
+    /// Corner k of the cell in lane `i`.
+    #[inline(always)]
+    pub fn position(&self, k: usize, i: usize) -> Vec3 {
         Vec3::new(self.x[k][i], self.y[k][i], self.z[k][i])
     }
 

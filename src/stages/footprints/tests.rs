@@ -97,6 +97,43 @@ fn cells_touch_no_row_that_their_block_does_not() {
     assert!(narrow > 100 && whole > 10, "{narrow} {whole}");
 }
 
+#[test]
+fn boxes_within_a_region_are_the_parts_of_those_of_the_picture() {
+    let mut random = Random::new(12);
+    let (mut cut, mut missed) = (0, 0);
+    for size in [0.02, 0.3] {
+        let dataset = random_cells(900, size, &mut random);
+        let vertices = scene_vertices(&dataset, &dataset.homogeneous_field());
+        for view in views(&dataset, 32_768, 20_000) {
+            let mut screen = Vec::new();
+            project(&view, &vertices, &mut screen);
+            let [x, y] = [32_000.0, 19_000.0].map(|side: f64| (random.unit() * side) as u32);
+            let region = Region { x0: x, y0: y, x1: x + 768, y1: y + 1000 };
+            let whole = PixelBoxes::new(&view);
+            let part = whole.within(region);
+            for tet in dataset.tets.iter() {
+                let bounds = tet
+                    .iter()
+                    .fold(Bounds::EMPTY, |bounds, &v| bounds.include(Vec3::from_array(dataset.positions[v as usize])));
+                let [x0, y0, x1, y1] = <[u32; 4]>::from(region).map(|px| px as u16);
+                let of = whole.of_cell(tet, &vertices, &screen).map(|PixelBox { x0: l, x1: r, y0: t, y1: b }| {
+                    PixelBox { x0: l.max(x0), x1: r.min(x1), y0: t.max(y0), y1: b.min(y1) }
+                });
+                let of = of.filter(|area| area.x0 < area.x1 && area.y0 < area.y1);
+                assert_eq!(part.of_cell(tet, &vertices, &screen), of);
+                let rows = part.rows_of_bounds(bounds, &view);
+                missed += usize::from(rows.is_none());
+                if let Some(area) = of {
+                    cut += 1;
+                    let rows = rows.unwrap_or(0..0);
+                    assert!(rows.start <= area.y0 && area.y1 <= rows.end && rows.end <= y1, "{area:?} in {rows:?}");
+                }
+            }
+        }
+    }
+    assert!(cut > 100 && missed > 1000, "{cut} {missed}");
+}
+
 /// The planes of a tile's cells, sixteen at a time.
 fn batches(dataset: &Dataset, vertices: &[SceneVertex], rays: &TileRays) -> Vec<Batch> {
     let of_chunk = |(chunk, cells): (usize, &[[u32; 4]])| {

@@ -23,9 +23,14 @@ impl Centroid {
     }
 
     /// Distance of the centroid from the eye, or its depth along parallel rays.
-    #[inline]
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "part of kernels that are compiled for wider vectors")]
     pub fn depth<const N: usize>(&self, corners: [Vec3; N]) -> f32 {
-        let from_eye = corners.iter().sum::<Vec3>() * (1.0 / N as f32) - self.eye;
+        let mut sum = corners[0];
+        for &corner in &corners[1..] {
+            sum += corner;
+        }
+        let from_eye = sum * (1.0 / N as f32) - self.eye;
         if self.is_perspective { from_eye.length() } else { from_eye.dot(self.forward) }
     }
 }

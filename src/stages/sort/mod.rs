@@ -24,6 +24,8 @@ use glam::{DVec3, Vec3};
 
 use crate::columns::{BlockCells, BlockView};
 use crate::error::{Error, Result};
+use crate::optics::LANES;
+use crate::stages::footprints::planes::Corners;
 use crate::stages::{SceneVertex, View};
 
 /// How cells are put in order.
@@ -139,6 +141,25 @@ impl<'a> KeyMaker<'a> {
         }
     }
 
+    /// The keys of the sixteen tetrahedra of `corners`; what they order by must be a depth.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "a kernel that is compiled for wider vectors")]
+    pub fn of_lanes(&self, corners: &Corners, key: &mut [u32; LANES]) {
+        match self {
+            Self::None | Self::Layers(_) => key.fill(0),
+            Self::Centroid(centroid) => {
+                for (i, key) in key.iter_mut().enumerate() {
+                    *key = key_of_depth(centroid.depth(corners.positions(i)));
+                }
+            }
+            Self::Power(power) => {
+                for (i, key) in key.iter_mut().enumerate() {
+                    *key = key_of_depth(power.depth(corners.positions(i)) as f32);
+                }
+            }
+        }
+    }
+
     /// Appends the key of each visible cell of `block` to `key_from_visible`.
     pub fn keys(
         &self,
@@ -184,11 +205,12 @@ impl<'a> KeyMaker<'a> {
 /// # use cellfan::stages::sort::key_of_depth;
 /// assert!(key_of_depth(-2.0) < key_of_depth(-1.0) && key_of_depth(-1.0) < key_of_depth(0.5));
 /// ```
-#[inline]
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "part of kernels that are compiled for wider vectors")]
 pub fn key_of_depth(depth: f32) -> u32 {
     let bits = depth.to_bits();
     // Positive numbers order as their bits; negative ones the other way round and below them.
-    bits ^ if bits >> 31 == 1 { u32::MAX } else { 1 << 31 }
+    bits ^ (((bits as i32) >> 31) as u32 | 1 << 31)
 }
 
 /// The direction along which a view orders: distances from the eye, or depth along parallel rays.

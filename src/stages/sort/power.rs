@@ -24,9 +24,10 @@ impl Power {
     }
 
     /// The square root of the power distance with its sign (perspective), or the depth of the circumcentre.
-    #[inline]
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "part of kernels that are compiled for wider vectors")]
     pub fn depth(&self, corners: [Vec3; 4]) -> f64 {
-        let [a, b, c, d] = corners.map(Vec3::as_dvec3);
+        let [a, b, c, d] = [corners[0].as_dvec3(), corners[1].as_dvec3(), corners[2].as_dvec3(), corners[3].as_dvec3()];
         let (q, r, s) = (b - a, c - a, d - a);
         let (rs, sq, qr) = (r.cross(s), s.cross(q), q.cross(r));
         // Cramer: 2 k = (|q|² r×s + |r|² s×q + |s|² q×r) / (q·r×s).
