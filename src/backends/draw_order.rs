@@ -135,7 +135,7 @@ impl DrawOrder {
 
 /// How far a depth has moved since the last view, at most, as a share of the range of depths; `None` where the two do not compare.
 fn moved(last: &View, frame: &Frame) -> Option<f64> {
-    if last.is_perspective != frame.view.is_perspective {
+    if last.is_perspective != frame.view.is_perspective || last.region != frame.view.region {
         return None;
     }
     let corners = frame.dataset.bounds.corners().map(|corner| corner.as_dvec3() / frame.view.world_per_scene);
