@@ -1,6 +1,6 @@
 //! `--surface`, `--edges`, `--points`.
 
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::{Place, npy};
 
@@ -70,7 +70,7 @@ fn a_gpu_is_sent_geometry_once_for_all_frames() {
     let ran = super::Ran::of(
         command.args("--backend gpu --surface --edges --frames 4 --stats -".split(' ')).output().unwrap(),
     );
-    let stats: Value = ran.succeeds().json();
+    let stats: serde_json::Value = ran.succeeds().json();
     assert_eq!(stats["geometry"]["uploaded_bytes"], stats["geometry"]["bytes"]);
     assert!(stats["geometry"]["bytes"].as_u64().unwrap() > 10_000);
 }
