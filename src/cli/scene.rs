@@ -29,6 +29,7 @@ use cellfan::{
 pub(super) use arguments::Arguments;
 use backend::Backend;
 use bands::BandSource;
+pub(super) use geometry::Geometry;
 use memory::Memory;
 use serde_json::Value;
 use summary::Summary;
@@ -66,11 +67,11 @@ pub(super) struct Setup {
 
 impl<'a> Request<'a> {
     /// Checks the arguments, finds a device, reads all files but the meshes.
-    pub(super) fn new(meshes: &'a [PathBuf], arguments: &'a Arguments) -> cellfan::Result<Self> {
+    pub(super) fn new(meshes: &'a [PathBuf], arguments: &'a Arguments, geometry: &Geometry) -> cellfan::Result<Self> {
         Ok(Self {
             meshes,
             arguments,
-            options: options(arguments)?,
+            options: RenderOptions { geometry: geometry.options(), ..options(arguments)? },
             backend: Backend::choose(arguments)?,
             transfer: TransferSource::load(arguments)?,
             bands: BandSource::load(arguments)?,
@@ -215,7 +216,6 @@ fn options(arguments: &Arguments) -> cellfan::Result<RenderOptions> {
         cpu_method: arguments.cpu_method,
         check_order: arguments.check_order,
         faces: arguments.faces,
-        geometry: arguments.geometry.options(),
         ..RenderOptions::default()
     })
 }

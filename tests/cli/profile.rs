@@ -147,6 +147,7 @@ fn what_cannot_be_is_refused_before_anything_is_drawn() {
     profile(&place, "--output depth").fails(1, &["--output"]);
     profile(&place, "--compare a.json b.json").fails(1, &["cannot be used with"]);
     place.run(["profile", "--compare", "a.json", "b.json", "--sort", "none"]).fails(1, &["--sort"]);
+    place.run(["profile", "--compare", "a.json", "b.json", "--edges"]).fails(1, &["--edges"]);
     place.run(["profile", "--compare", "a.json", "b.json", "--csv", "c.csv"]).fails(1, &["--csv"]);
     place.run(["profile", "--compare", "a.json", "b.json"]).fails(1, &["a.json"]);
     place.run(["profile"]).fails(1, &["MESH"]);

@@ -103,6 +103,7 @@ fn stats_have_their_keys_and_their_cells_add_up() {
         "memory_bytes",
         "size",
         "region",
+        "geometry",
     ];
     expected.sort_unstable();
     let mut keys = keys;

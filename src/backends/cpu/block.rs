@@ -104,6 +104,7 @@ impl BlockCells {
             }
             _ => {
                 let start = Instant::now();
+                let span = tracing::trace_span!("footprints").entered();
                 boxes.of_cells(
                     block,
                     frame.vertices,
@@ -113,6 +114,8 @@ impl BlockCells {
                     &mut self.boxes,
                 );
                 let found = Instant::now();
+                drop(span);
+                let _span = tracing::trace_span!("sort_keys").entered();
                 frame.keys.keys(block, frame.vertices, &self.cell_from_projected, &mut self.key_from_projected);
                 self.stage_secs[1] += (found - start).as_secs_f64();
                 self.stage_secs[2] += found.elapsed().as_secs_f64();
@@ -131,6 +134,7 @@ impl BlockCells {
     fn project_tets(&mut self, projector: &Projector, tets: &BlockTets, cell_from_visible: &[u32]) {
         let Projector { frame, screen, boxes, kernels } = projector;
         let start = Instant::now();
+        let span = tracing::trace_span!("footprints").entered();
         let batches = &mut self.batches[..cell_from_visible.len().div_ceil(LANES)];
         for (batch, cells) in batches.iter_mut().zip(cell_from_visible.chunks(LANES)) {
             for (lane, &cell) in cells.iter().enumerate() {
@@ -139,10 +143,13 @@ impl BlockCells {
             kernels.boxes(boxes, &batch.corners, &mut batch.boxes);
         }
         let found = Instant::now();
+        drop(span);
+        let span = tracing::trace_span!("sort_keys").entered();
         for batch in batches.iter_mut() {
             kernels.keys(&frame.keys, &batch.corners, &mut batch.key);
         }
         let keyed = Instant::now();
+        drop(span);
         for (batch, cells) in batches.iter().zip(cell_from_visible.chunks(LANES)) {
             for (lane, &cell) in cells.iter().enumerate() {
                 let pixels = if batch.boxes.crosses_near[lane] != 0 {

@@ -21,6 +21,9 @@ pub(in crate::cli) struct Arguments {
     #[command(flatten)]
     pub(super) scene: scene::Arguments,
 
+    #[command(flatten)]
+    pub(super) geometry: scene::Geometry,
+
     /// Draw N frames that count.
     #[arg(long, value_name = "N", help_heading = "Frames", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub(super) frames: u32,
@@ -50,7 +53,8 @@ pub(in crate::cli) struct Arguments {
 }
 
 /// Everything that a comparison has no use for.
-const MEASURING: [&str; 9] = ["scene", "frames", "orbit", "warm_up", "half_size", "stats", "csv", "plot", "trace"];
+const MEASURING: [&str; 10] =
+    ["scene", "geometry", "frames", "orbit", "warm_up", "half_size", "stats", "csv", "plot", "trace"];
 
 const EXAMPLES: &str = "\
 Examples:

@@ -21,6 +21,9 @@ pub(in crate::cli) struct Arguments {
     #[command(flatten)]
     pub(super) scene: scene::Arguments,
 
+    #[command(flatten)]
+    pub(super) geometry: scene::Geometry,
+
     /// The colour behind a PNG, as sRGB from 0 to 1 [default: transparent].
     #[arg(long, value_name = "R,G,B", help_heading = "Picture", value_parser = color, allow_hyphen_values = true)]
     pub(super) background: Option<[f32; 3]>,

@@ -7,7 +7,6 @@ use cellfan::stages::fans::Faces;
 use cellfan::{CpuMethod, Integral, Model, Region, SortMethod};
 use clap::Args;
 
-use super::geometry::Geometry;
 use crate::cli::arguments::{Cells, bytes, length, named, one_of, region, size, transmittance, view};
 
 /// What draws.
@@ -103,9 +102,6 @@ pub(in crate::cli) struct Arguments {
     /// [default: as it comes].
     #[arg(long, value_name = "BYTES", help_heading = "Method", value_parser = bytes, allow_hyphen_values = true)]
     pub(in crate::cli) memory: Option<u64>,
-
-    #[command(flatten)]
-    pub(super) geometry: Geometry,
 }
 
 const MODELS: [(&str, &str); 4] = [
