@@ -18,7 +18,8 @@ const TIERS: &[&[&str]] = &[
 ];
 
 /// Pairs (user, used) within a tier: errors are everyone's, files are written through `atomic`, and columns know the faces
-/// of the kinds of cells; a mesh's surface is its faces without a neighbour, which a sort finds too.
+/// of the kinds of cells; a mesh's surface is its faces without a neighbour, which a sort finds too; a profile
+/// says which part of a picture a camera took.
 const WITHIN: &[(&str, &str)] = &[
     ("profile", "error"),
     ("image", "error"),
@@ -28,6 +29,7 @@ const WITHIN: &[(&str, &str)] = &[
     ("image", "memory"),
     ("profile", "atomic"),
     ("profile", "memory"),
+    ("profile", "camera"),
     ("image", "atomic"),
     ("columns", "cells"),
     ("geometry", "stages"),
@@ -38,6 +40,7 @@ const WITHIN: &[(&str, &str)] = &[
 const REEXPORTED: &[(&str, &str)] = &[
     ("Camera", "camera"),
     ("Projection", "camera"),
+    ("Region", "camera"),
     ("Dataset", "columns"),
     ("Field", "columns"),
     ("FieldSelection", "columns"),
