@@ -188,7 +188,7 @@ fn overlapping_meshes_are_drawn_by_entry_whichever_comes_first() {
             assert!(errors.are_small() && errors.pixels > 2000, "{view}, {model}: {errors}");
             assert!(difference.max <= 1e-6, "{view}, {model}: {difference:?}");
             if model == Model::EmissionAbsorption {
-                assert!(a.order.violations > Some(0) && a.order.tiles_redone > 0, "{view}: {:?}", a.order);
+                assert!(a.order.violations > Some(0), "{view}: {:?}", a.order);
             }
         }
         // A graph of cells presumes that they are disjoint; the fragments show it.
