@@ -2,7 +2,7 @@
 //!
 //! In: pairs in any order. Out: the same pairs by key, equal keys by index, whatever the order they came in and however many
 //! threads there are: a frame does not depend on the one before. [`sort_local`] moves pairs digit by digit from the least, in a
-//! cache; [`sort`] first spreads them over [`BUCKETS`] by the highest bits that differ, then [`settle`]s each bucket in the cache of
+//! cache; [`sort`] first spreads them over `BUCKETS` by the highest bits that differ, then settles each bucket in the cache of
 //! one thread: two moves of each pair through memory, where digit by digit takes three or four. What it waits for is memory.
 //!
 //! [`frames`] sorts the pairs of frame after frame and gains from the one before.
