@@ -1,5 +1,7 @@
 //! Named arrays as the file holds them: any numeric type, any number of components, in file order.
 
+use bytemuck::Pod;
+
 use super::{Column, SharedBytes};
 use crate::error::Result;
 
@@ -24,6 +26,24 @@ pub struct Array {
     pub components: usize,
     /// The values.
     pub values: NumericColumn,
+}
+
+/// A number of any of the types that files use.
+pub trait Sample: Pod + Send + Sync {
+    /// In double precision.
+    fn widened(self) -> f64;
+
+    /// In single precision, rounded once.
+    fn narrowed(self) -> f32;
+}
+
+/// Work on the values of a column, compiled for each numeric type.
+pub trait SliceVisitor {
+    /// What it gives.
+    type Output;
+
+    /// Does it.
+    fn visit<T: Sample>(self, values: &[T]) -> Self::Output;
 }
 
 macro_rules! numeric_column {
@@ -85,6 +105,11 @@ macro_rules! numeric_column {
                 match self { $(Self::$variant(values) => values.owned_bytes()),* }
             }
 
+            /// Does `visitor`'s work on the values in their own type.
+            pub fn visit<V: SliceVisitor>(&self, visitor: V) -> V::Output {
+                match self { $(Self::$variant(values) => visitor.visit(&values[..])),* }
+            }
+
             /// Value `i`, widened.
             ///
             /// # Panics
@@ -96,7 +121,23 @@ macro_rules! numeric_column {
             }
         }
 
-        $(impl From<Vec<$type>> for NumericColumn {
+        $(impl Sample for $type {
+            #[inline]
+            #[expect(clippy::allow_attributes, reason = "not every type is cast alike")]
+            #[allow(clippy::cast_lossless, reason = "one body for every numeric type")]
+            fn widened(self) -> f64 {
+                self as f64
+            }
+
+            #[inline]
+            #[expect(clippy::allow_attributes, reason = "not every type is cast alike")]
+            #[allow(clippy::cast_lossless, reason = "one body for every numeric type")]
+            fn narrowed(self) -> f32 {
+                self as f32
+            }
+        }
+
+        impl From<Vec<$type>> for NumericColumn {
             fn from(values: Vec<$type>) -> Self {
                 Self::$variant(values.into())
             }

@@ -255,7 +255,7 @@ fn check_cells<const N: usize>(column: &str, cells: &[[u32; N]], file_from: &[u3
 }
 
 /// Every array has a tuple for each point, or for each cell of the file.
-pub(super) fn check_arrays(points: u64, arrays: &[Array], cells_in_file: u64) -> Result<()> {
+pub(in crate::columns) fn check_arrays(points: u64, arrays: &[Array], cells_in_file: u64) -> Result<()> {
     for array in arrays {
         let tuples = match array.association {
             Association::Point => points,

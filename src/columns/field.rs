@@ -72,33 +72,45 @@ pub struct Field {
     pub invalid: u64,
 }
 
+/// The selected array and its place; its component exists.
+///
+/// # Errors
+/// [`Error::UnknownArray`]; [`Error::UnusableArray`] where the component does not exist.
+pub(super) fn select<'a>(arrays: &'a [Array], selection: &FieldSelection) -> Result<(usize, &'a Array)> {
+    let candidates = arrays.iter().enumerate().filter(|(_, array)| array.name == selection.name);
+    let (place, array) = candidates
+        .filter(|(_, array)| selection.association.is_none_or(|association| association == array.association))
+        .min_by_key(|(_, array)| array.association == Association::Cell)
+        .ok_or_else(|| Error::UnknownArray {
+            name: selection.name.clone(),
+            available: arrays.iter().map(|array| array.name.clone()).collect(),
+        })?;
+    match selection.component {
+        Component::Index(index) if index >= array.components => {
+            let last = array.components - 1;
+            Err(unusable(array, format!("there is no component {index}; use 0 to {last}")))
+        }
+        Component::Index(_) | Component::Magnitude => Ok((place, array)),
+    }
+}
+
+/// An array cannot be drawn.
+pub(super) fn unusable(array: &Array, problem: String) -> Error {
+    Error::UnusableArray { name: presentable(array.name.clone()), problem }
+}
+
 impl Dataset {
     /// Takes one scalar per vertex or cell out of the selected array.
     ///
     /// # Errors
     /// [`Error::UnknownArray`]; [`Error::UnusableArray`] where no value is finite or the component does not exist.
     pub fn field(&self, selection: &FieldSelection) -> Result<Field> {
-        let candidates = self.arrays.iter().enumerate().filter(|(_, array)| array.name == selection.name);
-        let (place, array) = candidates
-            .filter(|(_, array)| selection.association.is_none_or(|association| association == array.association))
-            .min_by_key(|(_, array)| array.association == Association::Cell)
-            .ok_or_else(|| Error::UnknownArray {
-                name: selection.name.clone(),
-                available: self.arrays.iter().map(|array| array.name.clone()).collect(),
-            })?;
-        let unusable = |problem: String| Error::UnusableArray { name: presentable(array.name.clone()), problem };
-        if let Component::Index(index) = selection.component
-            && index >= array.components
-        {
-            let last = array.components - 1;
-            return Err(unusable(format!("there is no component {index}; use 0 to {last}")));
-        }
-
+        let (place, array) = select(&self.arrays, selection)?;
         let scalars = Scalars { dataset: self, array, component: selection.component };
         let known = self.known_ranges(place, selection.component);
         let range = known.map_or_else(|| scalars.range(), |known| known.range);
         if range.0 > range.1 {
-            return Err(unusable("it has no finite value; choose another array".to_owned()));
+            return Err(unusable(array, "it has no finite value; choose another array".to_owned()));
         }
         let offset = offset_of(range);
         let name = match selection.component {

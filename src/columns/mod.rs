@@ -20,8 +20,9 @@ mod placement;
 mod spatial_order;
 mod split;
 mod tets;
+mod volume;
 
-pub use array::{Array, Association, NumericColumn};
+pub use array::{Array, Association, NumericColumn, Sample, SliceVisitor};
 pub use backing::Backing;
 pub use bits::{BitColumn, BitView};
 pub(crate) use build::describe;
@@ -41,3 +42,4 @@ pub(crate) use placement::{Placement, orientation_of};
 pub(crate) use spatial_order::UNUSED;
 pub(crate) use split::split_hexahedron;
 pub use tets::{BlockIds, BlockTets, Tets, TetsView};
+pub use volume::{Lattice, SampleVisitor, Samples, Volume, VolumeField};
