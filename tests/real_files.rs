@@ -19,7 +19,7 @@ fn sum(values: impl Iterator<Item = f64>) -> f64 {
 fn open(path: &Path, scratch: &io::Scratch) -> UnstructuredMesh {
     match io::open_mesh_in(path, scratch).unwrap_or_else(|error| panic!("{error}")) {
         Mesh::Unstructured(mesh) => mesh,
-        Mesh::Structured(_) => panic!("{}: blocks", path.display()),
+        Mesh::Structured(_) | Mesh::Volume(_) => panic!("{}: blocks", path.display()),
     }
 }
 

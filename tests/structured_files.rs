@@ -27,7 +27,7 @@ fn open(file: &str, scratch: &io::Scratch) -> Option<StructuredMesh> {
     let path = data_folder("tests of structured grids")?.join(file);
     match io::open_mesh_in(&path, scratch).unwrap_or_else(|error| panic!("{error}")) {
         Mesh::Structured(mesh) => Some(mesh),
-        Mesh::Unstructured(_) => panic!("{file}: no blocks"),
+        Mesh::Unstructured(_) | Mesh::Volume(_) => panic!("{file}: no blocks"),
     }
 }
 

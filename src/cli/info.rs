@@ -2,6 +2,7 @@
 
 mod kinds;
 mod report;
+mod volume;
 
 use std::fs::File;
 use std::io::Read;
@@ -13,7 +14,7 @@ use cellfan::{Dataset, Error};
 use clap::Args;
 use kinds::KindCount;
 use rayon::prelude::*;
-use report::{ArrayReport, Drawn, FileReport, Range, Report};
+use report::{ArrayReport, Drawn, FileReport, LatticeReport, Range, Report};
 
 use super::meshes::FORMATS;
 use super::numbers::{bytes, count};
@@ -77,21 +78,21 @@ fn check(path: &Path, use_map: bool) -> cellfan::Result<()> {
 }
 
 fn report(paths: &[PathBuf], mesh: Mesh) -> cellfan::Result<Report> {
-    let points = mesh.points().len() as u64;
+    let points = mesh.point_count() as u64;
     let kinds = kinds::count(&mesh.cells_by_code());
     let dims = match &mesh {
         Mesh::Structured(mesh) => mesh.blocks().iter().map(StructuredBlock::dims).collect(),
         Mesh::Unstructured(_) => Vec::new(),
+        Mesh::Volume(volume) => vec![volume.dims],
     };
     let arrays = mesh.arrays().iter().map(array_report).collect();
-    let bounds = bounds(mesh.points());
-    let tets = mesh.into_tets()?;
-    let counts = tets.counts;
-    let (counts, drawn) = match Dataset::from_tets(tets) {
-        Ok(dataset) => (dataset.counts, Ok(drawn(&dataset))),
-        // A mesh without volume is no damaged file.
-        Err(error @ Error::NoCells { .. }) => (counts, Err(error.to_string())),
-        Err(error) => return Err(error),
+    let (bounds, lattice) = match &mesh {
+        Mesh::Volume(volume) => (Some(volume::bounds(volume)), Some(LatticeReport::new(&volume.lattice))),
+        _ => (mesh.points().and_then(bounds), None),
+    };
+    let (counts, drawn) = match mesh {
+        Mesh::Volume(volume) if !volume::hides_cells(&volume) => volume::drawn(&volume),
+        mesh => drawn_of(mesh)?,
     };
     Ok(Report {
         files: paths.iter().map(|path| FileReport::new(path, format_name(path))).collect(),
@@ -99,11 +100,24 @@ fn report(paths: &[PathBuf], mesh: Mesh) -> cellfan::Result<Report> {
         cells: counts.in_file,
         kinds,
         dims,
+        lattice,
         bounds,
         arrays,
         counts,
         drawn,
     })
+}
+
+/// What becomes of the cells, and what is drawn of them, or why nothing is.
+fn drawn_of(mesh: Mesh) -> cellfan::Result<(CellCounts, Result<Drawn, String>)> {
+    let tets = mesh.into_tets()?;
+    let counts = tets.counts;
+    match Dataset::from_tets(tets) {
+        Ok(dataset) => Ok((dataset.counts, Ok(drawn(&dataset)))),
+        // A mesh without volume is no damaged file.
+        Err(error @ Error::NoCells { .. }) => Ok((counts, Err(error.to_string()))),
+        Err(error) => Err(error),
+    }
 }
 
 /// What a container says of itself, without reading its columns through.
@@ -134,6 +148,7 @@ fn report_container(path: &Path, dataset: &Dataset, kinds: Vec<KindCount>) -> Re
         cells: dataset.cells() as u64,
         kinds,
         dims: dataset.hexahedra.structured_blocks().iter().map(dims).collect(),
+        lattice: None,
         bounds: Some([corner(bounds.min), corner(bounds.max)]),
         arrays: dataset.arrays.iter().zip(&dataset.array_ranges).map(array).collect(),
         counts: dataset.counts,

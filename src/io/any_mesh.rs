@@ -1,7 +1,10 @@
 //! `Mesh`: what a file holds, whichever kind of grid it is; `WholeCells`: what of it is drawn, no cell cut.
 
+use std::sync::Arc;
+
+use super::volume::{Use, from_volume};
 use super::{Scratch, StructuredMesh, UnstructuredMesh};
-use crate::columns::{Array, Association, CellMesh, Dataset, Points, StructuredCells, TetMesh};
+use crate::columns::{Array, Association, Backing, CellMesh, Dataset, Points, StructuredCells, TetMesh, Volume};
 use crate::error::Result;
 
 /// A mesh in file order.
@@ -11,14 +14,26 @@ pub enum Mesh {
     Unstructured(UnstructuredMesh),
     /// Blocks of points in rows, columns and layers.
     Structured(StructuredMesh),
+    /// A regular grid, whose points follow from three numbers and a matrix.
+    Volume(Volume),
 }
 
 impl Mesh {
-    /// All points of the file.
-    pub fn points(&self) -> &Points {
+    /// The points that are stored: all of the file, and none of a volume.
+    pub fn points(&self) -> Option<&Points> {
         match self {
-            Self::Unstructured(mesh) => &mesh.points,
-            Self::Structured(mesh) => mesh.points(),
+            Self::Unstructured(mesh) => Some(&mesh.points),
+            Self::Structured(mesh) => Some(mesh.points()),
+            Self::Volume(_) => None,
+        }
+    }
+
+    /// How many points the file has, stored or not.
+    pub fn point_count(&self) -> usize {
+        match self {
+            Self::Unstructured(mesh) => mesh.points.len(),
+            Self::Structured(mesh) => mesh.points().len(),
+            Self::Volume(volume) => volume.points(),
         }
     }
 
@@ -27,6 +42,7 @@ impl Mesh {
         match self {
             Self::Unstructured(mesh) => &mesh.arrays,
             Self::Structured(mesh) => mesh.arrays(),
+            Self::Volume(volume) => &volume.arrays,
         }
     }
 
@@ -40,6 +56,7 @@ impl Mesh {
         match self {
             Self::Unstructured(mesh) => mesh.cells(),
             Self::Structured(mesh) => mesh.cells(),
+            Self::Volume(volume) => volume.cells(),
         }
     }
 
@@ -51,6 +68,7 @@ impl Mesh {
             Self::Structured(mesh) => {
                 mesh.blocks().iter().for_each(|block| cells[usize::from(block.code())] += block.cells() as u64);
             }
+            Self::Volume(volume) => cells[usize::from(volume.code())] += volume.cells() as u64,
         }
         cells
     }
@@ -71,6 +89,7 @@ impl Mesh {
         match self {
             Self::Unstructured(mesh) => mesh.into_tets_in(scratch),
             Self::Structured(mesh) => mesh.into_tets_in(scratch),
+            Self::Volume(volume) => from_volume(volume, Use::Tetrahedra)?.into_tets_in(scratch),
         }
     }
 
@@ -79,7 +98,8 @@ impl Mesh {
     /// # Errors
     /// Those of [`Mesh::into_tets`] and [`Dataset::from_tets`].
     pub fn into_dataset(self) -> Result<Dataset> {
-        Dataset::from_tets(self.into_tets()?)
+        let backing = self.backing();
+        Ok(Dataset { backing, ..Dataset::from_tets(self.into_tets()?)? })
     }
 
     /// Checks the mesh and leaves out what is not drawn; what is listed of the others goes where `scratch` says.
@@ -90,6 +110,7 @@ impl Mesh {
         match self {
             Self::Unstructured(mesh) => mesh.into_cells_in(scratch).map(WholeCells::Listed),
             Self::Structured(mesh) => mesh.into_whole_in(scratch),
+            Self::Volume(volume) => from_volume(volume, Use::Whole)?.into_whole_in(scratch),
         }
     }
 
@@ -98,7 +119,16 @@ impl Mesh {
     /// # Errors
     /// Those of [`Mesh::into_whole_in`] and [`WholeCells::into_dataset`].
     pub fn into_whole_dataset(self) -> Result<Dataset> {
-        self.into_whole_in(&Scratch::memory())?.into_dataset()
+        let backing = self.backing();
+        Ok(Dataset { backing, ..self.into_whole_in(&Scratch::memory())?.into_dataset()? })
+    }
+
+    /// The file that arrays are used in place of.
+    fn backing(&self) -> Option<Arc<Backing>> {
+        match self {
+            Self::Unstructured(_) | Self::Structured(_) => None,
+            Self::Volume(volume) => volume.backing.clone(),
+        }
     }
 }
 

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::collection::{read_pvd_in, read_vtm_in};
 use super::plot3d::read_plot3d_in;
 use super::pvtu::read_pvtu_in;
+use super::vti::{read_pvti_in, read_vti_in};
 use super::vtk_legacy::read_vtk_in;
 use super::vtu::read_vtu_in;
 use super::{Mesh, Scratch, vts};
@@ -78,6 +79,18 @@ pub const READ: &[Format] = &[
         read: |bytes, path, scratch| vts::read_parallel(bytes, path, &vts::RECTILINEAR, scratch).map(Mesh::from),
     },
     Format {
+        name: "VTK XML image",
+        extensions: &["vti"],
+        recognises: |bytes| xml_type(bytes).is_some_and(|kind| kind == b"ImageData"),
+        read: |bytes, path, scratch| read_vti_in(bytes, path, scratch).map(Mesh::from),
+    },
+    Format {
+        name: "VTK XML parallel image",
+        extensions: &["pvti"],
+        recognises: |bytes| xml_type(bytes).is_some_and(|kind| kind == b"PImageData"),
+        read: |bytes, path, scratch| read_pvti_in(bytes, path, scratch).map(Mesh::from),
+    },
+    Format {
         name: "VTK XML multi-block",
         extensions: &["vtm"],
         recognises: |bytes| xml_type(bytes).is_some_and(|kind| kind == b"vtkMultiBlockDataSet"),
@@ -125,7 +138,6 @@ pub const REFUSED: &[Refused] = &[
     refused("a VolVis volume (SLC)", &["slc"], GRID_TO_VTU),
     refused("a MetaImage volume", &["mhd", "mha"], GRID_TO_VTU),
     refused("a raw volume", &["raw"], GRID_TO_VTU),
-    refused("a VTK XML image", &["vti", "pvti"], GRID_TO_VTU),
     refused("a VTK XML surface", &["vtp", "pvtp"], "cellfan draws cells with a volume"),
     refused("a VTK partitioned collection", &["vtpc", "vtpd"], "give the files it names, all of them"),
     refused("a PLOT3D solution", &["q"], "name its grid: a solution beside it is found by its name"),

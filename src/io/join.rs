@@ -10,6 +10,7 @@ mod listed;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
+use super::volume::{Use, from_volume};
 use super::{Mesh, Scratch, StructuredMesh, UnstructuredMesh, container, open_mesh_in};
 use crate::error::{Error, Result};
 
@@ -51,8 +52,11 @@ pub(super) fn join(mut parts: Vec<Part>, scratch: &Scratch) -> Result<Mesh> {
     let arrays = arrays::join(&parts, scratch)?;
     let (mut blocks, mut listed) = (Vec::new(), Vec::new());
     let has_lists = parts.iter().any(|part| matches!(part.mesh, Mesh::Unstructured(_)));
-    for part in parts {
-        match part.mesh {
+    for Part { path, mesh } in parts {
+        let stored = |volume| from_volume(volume, Use::Whole).map_err(|error| error.in_file(path));
+        match mesh {
+            Mesh::Volume(volume) if has_lists => listed.push(listed::of_blocks(stored(volume)?, scratch)?),
+            Mesh::Volume(volume) => blocks.push(stored(volume)?),
             Mesh::Structured(mesh) if has_lists => listed.push(listed::of_blocks(mesh, scratch)?),
             Mesh::Structured(mesh) => blocks.push(mesh),
             Mesh::Unstructured(mesh) => listed.push(mesh),
@@ -99,6 +103,8 @@ impl Mesh {
         match self {
             Self::Unstructured(mesh) => mesh.check(),
             Self::Structured(mesh) => mesh.check(),
+            // Every point of a volume follows from its lattice.
+            Self::Volume(_) => Ok(()),
         }
     }
 }

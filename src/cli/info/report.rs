@@ -3,7 +3,7 @@
 use std::fmt::{self, Display, Formatter};
 use std::path::Path;
 
-use cellfan::columns::{Association, CellCounts};
+use cellfan::columns::{Association, CellCounts, Lattice};
 use serde::Serialize;
 use serde_json::json;
 
@@ -45,6 +45,35 @@ pub(super) struct Drawn {
     pub(super) memory_bytes: u64,
 }
 
+/// Where the points of a volume are.
+#[derive(Serialize)]
+pub(super) struct LatticeReport {
+    /// Of point (0, 0, 0).
+    origin: [f64; 3],
+    /// From point to point along i, j and k.
+    spacing: [f64; 3],
+    /// Of i, j and k, of length one.
+    directions: [[f64; 3]; 3],
+}
+
+impl LatticeReport {
+    pub(super) fn new(lattice: &Lattice) -> Self {
+        let steps = lattice.steps();
+        let steps = [steps.x_axis, steps.y_axis, steps.z_axis];
+        Self {
+            origin: lattice.origin().to_array(),
+            spacing: steps.map(glam::DVec3::length),
+            directions: steps.map(|step| step.normalize_or_zero().to_array()),
+        }
+    }
+
+    /// Whether i, j and k run along x, y and z.
+    fn is_upright(&self) -> bool {
+        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        self.directions.iter().zip(axes).all(|(direction, axis)| *direction == axis)
+    }
+}
+
 /// A file and its format.
 #[derive(Serialize)]
 pub(super) struct FileReport {
@@ -66,6 +95,8 @@ pub(super) struct Report {
     pub(super) kinds: Vec<KindCount>,
     /// Points along i, j and k of each block of a structured grid.
     pub(super) dims: Vec<[usize; 3]>,
+    /// Of a volume.
+    pub(super) lattice: Option<LatticeReport>,
     /// Lowest and highest corner.
     pub(super) bounds: Option<[[f64; 3]; 2]>,
     pub(super) arrays: Vec<ArrayReport>,
@@ -90,6 +121,7 @@ impl Report {
             "cells": self.cells,
             "kinds": self.kinds,
             "dims": self.dims,
+            "lattice": self.lattice,
             "bounds": self.bounds.map(|[min, max]| json!({ "min": min, "max": max })),
             "arrays": self.arrays,
             "skipped": skipped,
@@ -119,8 +151,14 @@ impl Display for Report {
         if self.dims.len() > MOST_BLOCKS {
             writeln!(f, "  and {} more blocks", self.dims.len() - MOST_BLOCKS)?;
         }
+        let corner = |p: [f64; 3]| p.map(short).join(", ");
+        if let Some(lattice) = &self.lattice {
+            writeln!(f, "spacing: {}, origin ({})", lattice.spacing.map(short).join(" x "), corner(lattice.origin))?;
+            if !lattice.is_upright() {
+                writeln!(f, "directions: {}", lattice.directions.map(|d| format!("({})", corner(d))).join(", "))?;
+            }
+        }
         if let Some([min, max]) = self.bounds {
-            let corner = |p: [f64; 3]| p.map(short).join(", ");
             writeln!(f, "bounds: ({}) to ({})", corner(min), corner(max))?;
         }
         writeln!(f, "{}", if self.arrays.is_empty() { "no arrays" } else { "arrays:" })?;

@@ -5,7 +5,10 @@
 mod field;
 mod lattice;
 
+use std::array;
 use std::sync::Arc;
+
+use glam::DVec3;
 
 pub use field::{SampleVisitor, Samples, VolumeField};
 pub use lattice::Lattice;
@@ -67,6 +70,18 @@ impl Volume {
     /// Cells along i, j and k; an axis of one point does not count.
     pub fn cell_dims(&self) -> [usize; 3] {
         self.dims.map(|points| (points - 1).max(1))
+    }
+
+    /// VTK's code of the cells: voxels (11), pixels (8), lines (3) or a vertex (1).
+    pub fn code(&self) -> u8 {
+        [1, 3, 8, 11][self.dims.iter().filter(|&&points| points > 1).count()]
+    }
+
+    /// The eight corners of the box around all points.
+    pub fn corners_world(&self) -> [DVec3; 8] {
+        let last = self.dims.map(|points| (points - 1) as f64);
+        let along = |corner: usize, axis: usize| if corner >> axis & 1 == 1 { last[axis] } else { 0.0 };
+        array::from_fn(|corner| self.lattice.world(DVec3::from([0, 1, 2].map(|axis| along(corner, axis)))))
     }
 
     /// Whether the cells have a volume.

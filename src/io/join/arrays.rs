@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::Part;
-use crate::columns::{Array, Association, NumericColumn};
+use crate::columns::{Array, Association, NumericColumn, Points};
 use crate::error::{Result, presentable};
 use crate::io::assemble::{GHOST_LEVELS, GHOST_TYPE};
 use crate::io::numbers;
@@ -28,7 +28,7 @@ pub(super) fn join(parts: &[Part], scratch: &Scratch) -> Result<Vec<Array>> {
     let all = matched(parts);
     let numbers = |Part { mesh, .. }: &Part| {
         let of_arrays: usize = mesh.arrays().iter().map(|array| array.values.len()).sum();
-        3 * mesh.points().len() + mesh.cells() + of_arrays
+        3 * mesh.points().map_or(0, Points::len) + mesh.cells() + of_arrays
     };
     let mut left = parts.iter().map(numbers).sum::<usize>().saturating_mul(MOST_MADE_UP);
     let (mut complete, mut partial) = (Vec::new(), Vec::new());
@@ -108,7 +108,7 @@ impl Same<'_> {
     /// How many tuples the array has, or would have, in a part.
     fn tuples(&self, part: &Part) -> usize {
         match self.association {
-            Association::Point => part.mesh.points().len(),
+            Association::Point => part.mesh.point_count(),
             Association::Cell => part.mesh.cells(),
         }
     }

@@ -220,7 +220,7 @@ fn the_solution_is_found_by_the_grids_name() {
         std::fs::write(folder.path().join(grid), plain().grid()).unwrap();
         let read = || match open_mesh(&folder.path().join(grid)).unwrap() {
             Mesh::Structured(mesh) => mesh.arrays().len(),
-            Mesh::Unstructured(_) => panic!("no blocks"),
+            Mesh::Unstructured(_) | Mesh::Volume(_) => panic!("no blocks"),
         };
         assert_eq!(read(), 0, "{grid}: without a solution");
         std::fs::write(folder.path().join(solution), plain().solution()).unwrap();

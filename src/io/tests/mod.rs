@@ -31,6 +31,7 @@ fn unstructured(mesh: Mesh) -> UnstructuredMesh {
     match mesh {
         Mesh::Unstructured(mesh) => mesh,
         Mesh::Structured(mesh) => panic!("blocks {:?}", mesh.blocks()),
+        Mesh::Volume(volume) => panic!("a volume {:?}", volume.dims),
     }
 }
 
@@ -38,6 +39,7 @@ fn structured(mesh: Mesh) -> StructuredMesh {
     match mesh {
         Mesh::Structured(mesh) => mesh,
         Mesh::Unstructured(mesh) => panic!("{} cells in no block", mesh.cells()),
+        Mesh::Volume(volume) => panic!("a volume {:?}", volume.dims),
     }
 }
 

@@ -33,6 +33,13 @@ impl Extent {
         if dims.contains(&0) { [0; 3] } else { dims }
     }
 
+    /// The smallest that contains both, which have points.
+    pub(in crate::io) fn union(self, other: Self) -> Self {
+        let lowest = |axis: usize| self.first[axis].min(other.first[axis]);
+        let highest = |axis: usize| self.last[axis].max(other.last[axis]);
+        Self { first: array::from_fn(lowest), last: array::from_fn(highest) }
+    }
+
     /// The first point along an axis.
     pub(in crate::io) fn first(self, axis: usize) -> i64 {
         self.first[axis]
