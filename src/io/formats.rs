@@ -3,6 +3,8 @@
 use std::path::Path;
 
 use super::collection::{read_pvd_in, read_vtm_in};
+use super::mapping::Mapped;
+use super::nrrd::read_nrrd_in;
 use super::plot3d::read_plot3d_in;
 use super::pvtu::read_pvtu_in;
 use super::vti::{read_pvti_in, read_vti_in};
@@ -82,7 +84,7 @@ pub const READ: &[Format] = &[
         name: "VTK XML image",
         extensions: &["vti"],
         recognises: |bytes| xml_type(bytes).is_some_and(|kind| kind == b"ImageData"),
-        read: |bytes, path, scratch| read_vti_in(bytes, path, scratch).map(Mesh::from),
+        read: |bytes, path, scratch| read_vti_in(bytes, None, path, scratch).map(Mesh::from),
     },
     Format {
         name: "VTK XML parallel image",
@@ -107,6 +109,12 @@ pub const READ: &[Format] = &[
         extensions: &["vtk"],
         recognises: |bytes| bytes.starts_with(b"# vtk DataFile"),
         read: read_vtk_in,
+    },
+    Format {
+        name: "NRRD",
+        extensions: &["nrrd", "nhdr"],
+        recognises: |bytes| bytes.starts_with(b"NRRD000"),
+        read: |bytes, path, scratch| read_nrrd_in(bytes, None, path, scratch).map(Mesh::from),
     },
     Format {
         name: "PLOT3D",
@@ -134,10 +142,13 @@ pub const REFUSED: &[Refused] = &[
     refused("VTKHDF", &["vtkhdf"], TO_VTU),
     Refused { magic: b"\x89HDF", ..refused("HDF5", &["h5", "hdf", "hdf5"], TO_VTU) },
     refused("NIfTI", &["nii"], GRID_TO_VTU),
-    Refused { magic: b"NRRD", ..refused("NRRD", &["nrrd", "nhdr"], GRID_TO_VTU) },
     refused("a VolVis volume (SLC)", &["slc"], GRID_TO_VTU),
     refused("a MetaImage volume", &["mhd", "mha"], GRID_TO_VTU),
-    refused("a raw volume", &["raw"], GRID_TO_VTU),
+    refused(
+        "a raw volume without its sizes",
+        &["raw"],
+        "say how its samples stand in it (--raw 256x256x110:u8), or give a NRRD header (.nhdr) that names it",
+    ),
     refused("a VTK XML surface", &["vtp", "pvtp"], "cellfan draws cells with a volume"),
     refused("a VTK partitioned collection", &["vtpc", "vtpd"], "give the files it names, all of them"),
     refused("a PLOT3D solution", &["q"], "name its grid: a solution beside it is found by its name"),
@@ -153,6 +164,20 @@ pub const REFUSED: &[Refused] = &[
     refused("a Spark98 pack file", &["pack"], TO_VTU),
     refused("a surface", &["stl", "obj", "ply"], "cellfan draws cells with a volume"),
 ];
+
+/// Reads a file that is mapped.
+pub(super) type ReadMapped = fn(&Mapped, &Path, &Scratch) -> Result<Mesh>;
+
+/// What reads files of a format whose arrays are used in place where they stand as memory has them.
+pub(super) fn in_place(format: &Format) -> Option<ReadMapped> {
+    match format.name {
+        "NRRD" => Some(|file, path, scratch| read_nrrd_in(file.bytes(), Some(file), path, scratch).map(Mesh::from)),
+        "VTK XML image" => {
+            Some(|file, path, scratch| read_vti_in(file.bytes(), Some(file), path, scratch).map(Mesh::from))
+        }
+        _ => None,
+    }
+}
 
 /// The format of a file: by how it begins, else by its extension.
 ///

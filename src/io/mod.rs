@@ -15,12 +15,15 @@ pub mod formats;
 mod join;
 mod mapping;
 mod mesh;
+mod nrrd;
 mod numbers;
 mod offsets;
 mod overlap;
 mod plot3d;
 mod pvtu;
+mod raw;
 mod rectilinear;
+mod samples;
 mod scratch;
 mod source;
 mod structured;
@@ -40,8 +43,10 @@ pub use crate::atomic::{check_target, write_text};
 pub use any_mesh::{Mesh, WholeCells};
 pub use collection::{read_pvd, read_vtm};
 pub use mesh::UnstructuredMesh;
+pub use nrrd::{read_nrrd, write_nrrd};
 pub use plot3d::read_plot3d;
 pub use pvtu::read_pvtu;
+pub use raw::{RawLayout, open_raw, open_raw_in, read_raw};
 pub use scratch::Scratch;
 pub use structured::{StructuredBlock, StructuredMesh};
 pub use vti::{read_pvti, read_vti};
@@ -50,6 +55,7 @@ pub use vts::{read_pvtr, read_pvts, read_vtr, read_vts};
 pub use vtu::read_vtu;
 pub use write_vtu::{Compression, write_vtu};
 
+use self::mapping::Mapped;
 use crate::atomic::io_at;
 use crate::columns::Dataset;
 use crate::error::{Error, Result};
@@ -159,6 +165,9 @@ fn open_mesh_of(path: &Path, scratch: &Scratch, check: impl FnOnce(&formats::For
     file.by_ref().take(formats::HEAD_BYTES as u64).read_to_end(&mut head).map_err(io_at(path))?;
     let format = formats::find(&head, path)?;
     check(format)?;
+    if let Some(read) = formats::in_place(format).filter(|_| scratch.maps_volume(&file)) {
+        return read(&Mapped::open(path, file)?, path, scratch);
+    }
     if scratch.maps(&file) {
         return (format.read)((*scratch.bytes_of(path, file)?).as_ref(), path, scratch);
     }

@@ -27,6 +27,16 @@ macro_rules! number_types {
                 match self { $(Self::$variant => size_of::<$type>()),* }
             }
 
+            /// Its name, as in Rust.
+            pub(super) fn name(self) -> &'static str {
+                match self { $(Self::$variant => stringify!($type)),* }
+            }
+
+            /// The type of that name.
+            pub(super) fn by_name(name: &str) -> Option<Self> {
+                match name { $(stringify!($type) => Some(Self::$variant),)* _ => None }
+            }
+
             /// All whole values in the `bytes` bytes of `chunks`, one after the other.
             ///
             /// # Errors

@@ -14,6 +14,7 @@ use super::mapping::bytes_of;
 use crate::atomic::io_at;
 use crate::columns::{Column, SharedBytes};
 use crate::error::{Error, Result};
+use crate::memory;
 
 /// Bytes of a column that are in memory while the rest of it goes to a file.
 const BUFFER_BYTES: usize = 4 << 20;
@@ -25,24 +26,42 @@ pub struct Scratch {
     folder: Option<PathBuf>,
     /// Bytes that columns may still take.
     left: AtomicU64,
+    /// Whether samples of a volume are used in place of their file.
+    maps_volumes: bool,
 }
 
 impl Scratch {
-    /// All columns in memory.
+    /// All columns in memory, but for the samples of a volume, which are used in place of their file where they stand in it as
+    /// memory has them.
     pub fn memory() -> Self {
-        Self { folder: None, left: AtomicU64::new(u64::MAX) }
+        Self { folder: None, left: AtomicU64::new(u64::MAX), maps_volumes: true }
+    }
+
+    /// All columns in memory, and no file mapped.
+    pub fn unmapped() -> Self {
+        Self { maps_volumes: false, ..Self::memory() }
     }
 
     /// Columns of `memory_bytes` in memory, the others in nameless files in `folder`; so is the file that is read, mapped.
     ///
     /// Not counted are the points, 12 or 24 bytes each, and 4 MiB for each column that is being read.
     pub fn in_folder(folder: &Path, memory_bytes: u64) -> Self {
-        Self { folder: Some(folder.to_owned()), left: AtomicU64::new(memory_bytes) }
+        Self { folder: Some(folder.to_owned()), left: AtomicU64::new(memory_bytes), maps_volumes: true }
     }
 
     /// Whether a file that is read is mapped: it is no pipe, and memory is counted.
     pub(super) fn maps(&self, file: &File) -> bool {
         self.folder.is_some() && file.metadata().is_ok_and(|metadata| metadata.is_file())
+    }
+
+    /// Whether the samples of a volume may be used in place of their file: it is no pipe.
+    pub(super) fn maps_volume(&self, file: &File) -> bool {
+        self.maps_volumes && file.metadata().is_ok_and(|metadata| metadata.is_file())
+    }
+
+    /// `bytes` of one column can be had, in memory or in a file.
+    pub(super) fn check(&self, what: impl FnOnce() -> String, bytes: u64) -> Result<()> {
+        if self.folder.is_some() { Ok(()) } else { memory::check(what, Some(bytes)) }
     }
 
     /// The bytes of a file that is read: in memory, or mapped.

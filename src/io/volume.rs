@@ -1,7 +1,10 @@
 //! Regular grids: what readers check of them, and their way to meshes whose points are stored.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
+use super::mapping::Mapped;
 use super::source::Source;
 use super::structured::points_of;
 use super::{Mesh, StructuredMesh};
@@ -84,6 +87,13 @@ pub(super) fn of_file(
 ) -> Result<Volume> {
     check(dims, &lattice).map_err(|problem| source.malformed(place, problem))?;
     Volume::new(dims, lattice, arrays).map_err(|error| error.in_file(source.path))
+}
+
+/// The volume, which says when the file changes whose bytes its arrays use in place, if they do.
+pub(super) fn watched(volume: Volume, mapped: Option<&Mapped>) -> Volume {
+    let is_shared = volume.arrays.iter().any(|array| !array.values.is_empty() && array.values.owned_bytes() == 0);
+    let backing = mapped.filter(|_| is_shared).map(|mapped| Arc::clone(mapped.backing()));
+    Volume { backing, ..volume }
 }
 
 /// The error is a sentence about the grid.

@@ -8,6 +8,7 @@ use glam::{DMat3, DVec3};
 
 use super::assemble::check_lengths;
 use super::concat;
+use super::mapping::Mapped;
 use super::scratch::Scratch;
 use super::source::{Source, quote};
 use super::structured::{cells_of, points_of};
@@ -21,7 +22,7 @@ use crate::error::Result;
 /// # Errors
 /// [`Error::Malformed`](crate::Error::Malformed) and [`Error::Unsupported`](crate::Error::Unsupported).
 pub fn read_vti(bytes: &[u8], path: &Path) -> Result<Volume> {
-    read_vti_in(bytes, path, &Scratch::memory())
+    read_vti_in(bytes, None, path, &Scratch::memory())
 }
 
 /// Reads a `.pvti` file that is in memory, and the pieces it names relative to the folder of `path`.
@@ -33,14 +34,17 @@ pub fn read_pvti(bytes: &[u8], path: &Path) -> Result<Volume> {
 }
 
 /// As [`read_vti`], the columns where `scratch` says.
-pub(super) fn read_vti_in(bytes: &[u8], path: &Path, scratch: &Scratch) -> Result<Volume> {
-    join(read_pieces(bytes, path, scratch)?, Source { path, scratch })
+/// and arrays in place of `mapped`, whose bytes these are.
+pub(super) fn read_vti_in(bytes: &[u8], mapped: Option<&Mapped>, path: &Path, scratch: &Scratch) -> Result<Volume> {
+    Ok(volume::watched(join(read_pieces(bytes, mapped, path, scratch)?, Source { path, scratch })?, mapped))
 }
 
 /// As [`read_pvti`], the columns where `scratch` says.
 pub(super) fn read_pvti_in(bytes: &[u8], path: &Path, scratch: &Scratch) -> Result<Volume> {
     let source = Source { path, scratch };
-    let files = vtk_xml::read_pieces(bytes, "PImageData", source, read_pieces)?;
+    let files = vtk_xml::read_pieces(bytes, "PImageData", source, |bytes, path, scratch| {
+        read_pieces(bytes, None, path, scratch)
+    })?;
     join(files.into_iter().flatten().collect(), source)
 }
 
@@ -53,9 +57,9 @@ struct Piece {
 }
 
 /// The pieces that have points.
-fn read_pieces(bytes: &[u8], path: &Path, scratch: &Scratch) -> Result<Vec<Piece>> {
+fn read_pieces(bytes: &[u8], mapped: Option<&Mapped>, path: &Path, scratch: &Scratch) -> Result<Vec<Piece>> {
     let source = Source { path, scratch };
-    vtk_xml::read_grid(bytes, "ImageData", source, |grid, encoding| {
+    vtk_xml::read_mapped(bytes, mapped, "ImageData", source, |grid, encoding| {
         let whole = Extent::of(grid, "WholeExtent", source)?;
         let lattice = lattice(grid, source)?;
         let mut pieces = Vec::new();

@@ -92,6 +92,17 @@ impl<'a> Cursor<'a> {
         count.ok_or_else(|| self.malformed(format!("{} is not {of}", quote(word))))
     }
 
+    /// The next three words as numbers, of what is said.
+    pub(super) fn coordinates(&mut self, of: &str) -> Result<[f64; 3]> {
+        let mut coordinates = [0.0; 3];
+        for coordinate in &mut coordinates {
+            let word = self.word().ok_or_else(|| self.malformed(format!("the file ends before {of}")))?;
+            let number = std::str::from_utf8(word).ok().and_then(|text| text.parse().ok());
+            *coordinate = number.ok_or_else(|| self.malformed(format!("{} is no number of {of}", quote(word))))?;
+        }
+        Ok(coordinates)
+    }
+
     /// A name, with `%20` and the like decoded; characters that a terminal would obey are replaced.
     pub(super) fn name(&mut self) -> Result<String> {
         let word = self.word().ok_or_else(|| self.malformed("the file ends before a name"))?;

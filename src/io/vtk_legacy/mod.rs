@@ -1,5 +1,5 @@
-//! `.vtk`: VTK's legacy files, text or big-endian binary, versions 1.0 to 5.1, with an unstructured, structured or
-//! rectilinear grid.
+//! `.vtk`: VTK's legacy files, text or big-endian binary, versions 1.0 to 5.1, with an unstructured, structured,
+//! rectilinear or regular grid.
 //!
 //! In: the bytes of a file. Out: [`Mesh`]. A file is a sequence of sections, each begun by a keyword; `cursor.rs` reads
 //! words and arrays, `cells.rs` the two forms of CELLS, `attributes.rs` the arrays.
@@ -37,6 +37,7 @@ pub(super) fn read_vtk_in(bytes: &[u8], path: &Path, scratch: &Scratch) -> Resul
     match read_head(&mut cursor)?.as_str() {
         "UNSTRUCTURED_GRID" => unstructured::read(&mut cursor).map(Mesh::from),
         "STRUCTURED_GRID" => structured::read_structured(&mut cursor).map(Mesh::from),
+        "STRUCTURED_POINTS" => structured::read_points(&mut cursor).map(Mesh::from),
         "RECTILINEAR_GRID" => structured::read_rectilinear(&mut cursor, bytes.len()).map(Mesh::from),
         other => {
             let what = format!("a VTK legacy file with DATASET {other}");

@@ -1,15 +1,15 @@
-//! `DATASET STRUCTURED_GRID` and `DATASET RECTILINEAR_GRID`.
+//! `DATASET STRUCTURED_GRID`, `DATASET RECTILINEAR_GRID` and `DATASET STRUCTURED_POINTS`.
 
 use super::super::assemble::{GHOST_TYPE, HIDDEN_POINT};
 use super::super::expansion::Expansion;
 use super::super::numbers::points_from;
 use super::super::scratch::collect;
 use super::super::structured::{cells_of, points_of};
-use super::super::{StructuredMesh, rectilinear};
+use super::super::{StructuredMesh, rectilinear, volume};
 use super::attributes::Attributes;
 use super::cursor::Cursor;
 use super::read_common;
-use crate::columns::{Array, Association, NumericColumn, Points};
+use crate::columns::{Array, Association, Lattice, NumericColumn, Points, Volume};
 use crate::error::Result;
 
 /// Reads the sections of a structured grid after the head of the file.
@@ -67,7 +67,26 @@ pub(super) fn read_rectilinear(cursor: &mut Cursor<'_>, file_len: usize) -> Resu
     grid.finish(points, None, cursor)
 }
 
-/// What both kinds have.
+/// Reads the sections of a regular grid after the head of the file.
+pub(super) fn read_points(cursor: &mut Cursor<'_>) -> Result<Volume> {
+    let mut grid = Grid::default();
+    let (mut origin, mut spacing) = ([0.0; 3], [1.0; 3]);
+    while let Some(keyword) = cursor.next_keyword() {
+        match keyword.as_str() {
+            "DIMENSIONS" => grid.read_dims(cursor)?,
+            "ORIGIN" => origin = cursor.coordinates("the origin")?,
+            // Its name in files of version 1.0.
+            "SPACING" | "ASPECT_RATIO" => spacing = cursor.coordinates("the spacing")?,
+            _ => read_common(&keyword, &mut grid.attributes, cursor)?,
+        }
+    }
+    let (Grid { dims, attributes }, source) = (grid, cursor.source);
+    let too_many = || source.malformed("DIMENSIONS", format!("{dims:?} points cannot be: damaged"));
+    let arrays = attributes.into_arrays(points_of(dims).ok_or_else(too_many)?, cells_of(dims), source)?;
+    volume::of_file(dims, Lattice::new(origin.into(), spacing.into()), arrays, "DIMENSIONS, SPACING and ORIGIN", source)
+}
+
+/// What all kinds have.
 #[derive(Default)]
 struct Grid {
     dims: [usize; 3],

@@ -5,6 +5,7 @@ use std::cell::Cell;
 use std::iter;
 
 use super::super::expansion::Expansion;
+use super::super::mapping::Mapped;
 use super::super::numbers::{ByteOrder, NumberType};
 use super::super::source::{Source, quote};
 use super::base64::Base64;
@@ -23,6 +24,8 @@ pub(in crate::io) struct Encoding<'a> {
     word: usize,
     compressor: Option<Compressor>,
     appended: Option<Stream<'a>>,
+    /// The file, where arrays may be used in place of it.
+    mapped: Option<&'a Mapped>,
     /// Bytes that arrays may still take. Arrays may share appended bytes, but not so often that a small file becomes
     /// a large mesh.
     budget: Cell<usize>,
@@ -69,7 +72,13 @@ impl<'a> Encoding<'a> {
             (Some(_), Some(other)) => return Err(unknown("encoding", other)),
         };
         let budget = Cell::new(file_len.saturating_mul(4));
-        Ok(Self { source, order, word, compressor, appended, budget, expansion: Expansion::of(file_len) })
+        let expansion = Expansion::of(file_len);
+        Ok(Self { source, order, word, compressor, appended, mapped: None, budget, expansion })
+    }
+
+    /// The same of a file that is mapped: appended arrays are used in place where they stand there as memory has them.
+    pub(in crate::io) fn in_place(self, mapped: Option<&'a Mapped>) -> Self {
+        Self { mapped, ..self }
     }
 
     /// The values of the `DataArray` element `array`: as many as `expected`, where that is known.
@@ -94,7 +103,11 @@ impl<'a> Encoding<'a> {
             (Some("binary"), _) => decode(Stream::Base64(Base64::new(array.text.as_bytes())))?,
             (Some("appended") | None, Some(_)) => {
                 let offset = array.count("offset", None, self.source)?;
-                decode(self.appended_at(offset).map_err(malformed)?)?
+                let stream = self.appended_at(offset).map_err(malformed)?;
+                match self.shared(&stream, number, expected) {
+                    Some(shared) => shared,
+                    None => decode(stream)?,
+                }
             }
             (Some("appended"), None) => return Err(malformed("has no attribute \"offset\"".to_owned())),
             (Some(other), _) => {
@@ -108,6 +121,14 @@ impl<'a> Encoding<'a> {
             }
             _ => Ok(values),
         }
+    }
+
+    /// The `expected` values of an array that is appended as it is, in place.
+    fn shared(&self, stream: &Stream<'a>, number: NumberType, expected: Option<usize>) -> Option<NumericColumn> {
+        let (Some(mapped), Stream::Raw(bytes), None) = (self.mapped, stream, self.compressor) else { return None };
+        let (word, values) = bytes.split_at_checked(self.word)?;
+        let size = expected?.checked_mul(number.size()).filter(|&size| size as u64 == self.word_from(word))?;
+        mapped.column(number, self.order, values.get(..size)?)
     }
 
     fn appended_at(&self, offset: usize) -> Result<Stream<'a>, String> {

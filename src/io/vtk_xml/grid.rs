@@ -1,6 +1,7 @@
 //! What the grids of all kinds have in common: the way to their element, points and arrays of a piece.
 
 use super::super::MOST_ARRAYS;
+use super::super::mapping::Mapped;
 use super::super::numbers::points_from;
 use super::super::source::Source;
 use super::document::{Element, parse, split_appended};
@@ -15,11 +16,22 @@ pub(in crate::io) fn read_grid<T>(
     source: Source<'_>,
     read: impl FnOnce(&Element<'_>, &Encoding<'_>) -> Result<T>,
 ) -> Result<T> {
+    read_mapped(bytes, None, kind, source, read)
+}
+
+/// As [`read_grid`]; arrays may be used in place of `mapped`, whose bytes these are.
+pub(in crate::io) fn read_mapped<T>(
+    bytes: &[u8],
+    mapped: Option<&Mapped>,
+    kind: &str,
+    source: Source<'_>,
+    read: impl FnOnce(&Element<'_>, &Encoding<'_>) -> Result<T>,
+) -> Result<T> {
     let (xml, appended) = split_appended(bytes);
     let text = String::from_utf8_lossy(xml);
     let root = parse(&text, xml.len() < bytes.len(), source)?;
     let grid = grid_of(&root, kind, source)?;
-    read(grid, &Encoding::new(&root, appended, bytes.len(), source)?)
+    read(grid, &Encoding::new(&root, appended, bytes.len(), source)?.in_place(mapped))
 }
 
 /// The element `kind` in the root of a file of that kind.

@@ -17,7 +17,7 @@ mod stream;
 pub(super) use document::{Element, parse, split_appended};
 pub(super) use encoding::Encoding;
 pub(super) use extent::Extent;
-pub(super) use grid::{arrays, child, grid_of, points, read_grid};
+pub(super) use grid::{arrays, child, grid_of, points, read_grid, read_mapped};
 pub(super) use parallel::{NamedFiles, read_pieces};
 
 use super::source::{Source, quote};
