@@ -2,8 +2,10 @@
 
 mod common;
 
-use cellfan::columns::{Array, Association, Points};
+use cellfan::columns::{Array, Association, Lattice, NumericColumn, Points};
 use cellfan::io::{self, Mesh, StructuredBlock, StructuredMesh};
+use cellfan::optics::presets::{self, OpacityProfile};
+use cellfan::{Camera, FieldSelection, RenderOptions, Renderer, Scene};
 use common::data_folder;
 
 /// A weighted sum that any changed, missing or exchanged value changes.
@@ -346,4 +348,77 @@ fn cells_are_split_turned_and_counted() {
     assert_eq!((post.tets.len(), post.counts.ghost), (6 * 102_675, 0));
     let flat = io::open(&folder.join("formats/rectilinear_grid.vtk")).unwrap_err().to_string();
     assert!(flat.contains("6 cells without volume"), "{flat}");
+}
+
+/// File, points along i, j and k, spacing, then the arrays with their sums.
+type ExpectedVolume = (&'static str, [usize; 3], [f64; 3], [f64; 3], &'static [(&'static str, usize, &'static str, f64)]);
+
+const VOLUMES: &[ExpectedVolume] = &[
+];
+
+#[test]
+fn volumes_are_those_of_vtk() {
+    let Some(folder) = data_folder("volumes_are_those_of_vtk") else { return };
+    for &(file, dims, spacing, origin, arrays) in VOLUMES {
+        let Mesh::Volume(volume) = io::open_mesh(&folder.join(file)).unwrap_or_else(|error| panic!("{error}")) else {
+            panic!("{file}: no volume")
+        };
+        assert_eq!((volume.dims, volume.lattice), (dims, Lattice::new(origin.into(), spacing.into())), "{file}");
+        assert_eq!(volume.arrays.len(), arrays.len(), "{file}");
+        for (array, &(name, components, kind, expected)) in volume.arrays.iter().zip(arrays) {
+            assert_eq!((&array.name[..], array.components, array.values.type_name()), (name, components, kind), "{file}");
+            let found = sum(values(array));
+            assert!(close(found, expected), "{file}: {name}: {found}, not {expected}");
+        }
+    }
+}
+
+/// Raw samples are those of their header, in place or not, compressed or not.
+#[test]
+fn raw_volumes_are_those_of_their_headers() {
+    let Some(folder) = data_folder("raw_volumes_are_those_of_their_headers") else { return };
+    let files = [
+        ("classic/engine", "raw", "149x208x110:u8", [1.0; 3]),
+        ("classic/Bucky", "raw", "32x32x32:u8", [1.0; 3]),
+        ("regular/Teddybear", "raw", "128x128x62:u8", [2.8, 2.8, 5.0]),
+        ("regular/LIDC2", "raw.gz", "256x256x133:u8", [1.40625, 1.40625, 2.5]),
+    ];
+    for (name, extension, layout, spacing) in files {
+        let mut layout: io::RawLayout = layout.parse().unwrap();
+        layout.spacing = spacing;
+        let raw = io::open_raw(&folder.join(format!("{name}.{extension}")), &layout).unwrap();
+        let unmapped = io::Scratch::unmapped();
+        let Mesh::Volume(volume) = io::open_mesh_in(&folder.join(format!("{name}.nhdr")), &unmapped).unwrap() else {
+            panic!("{name}: no volume")
+        };
+        assert_eq!((raw.dims, raw.lattice), (volume.dims, volume.lattice), "{name}");
+        let [(NumericColumn::U8(a), NumericColumn::U8(b))] = [(&raw.arrays[0].values, &volume.arrays[0].values)] else {
+            panic!("{name}: other types")
+        };
+        assert!(a == b, "{name}");
+        let in_place = if extension == "raw" { 0 } else { a.len() as u64 };
+        assert_eq!((raw.owned_bytes(), raw.backing.is_some()), (in_place, in_place == 0), "{name}");
+        assert_eq!(volume.owned_bytes(), b.len() as u64, "{name}");
+    }
+}
+
+/// As whole cells, from a direction that shows something.
+#[test]
+fn volumes_are_drawn() {
+    let Some(folder) = data_folder("volumes_are_drawn") else { return };
+    for &(file, dims, ..) in VOLUMES {
+        // The largest take seconds each.
+        if dims.iter().product::<usize>() > 400_000 {
+            continue;
+        }
+        let dataset = io::open_mesh(&folder.join(file)).unwrap().into_whole_dataset().unwrap();
+        assert_eq!(dataset.hexahedra.len(), dims.map(|points| points - 1).iter().product::<usize>(), "{file}");
+        let field = dataset.field(&FieldSelection::parse(&dataset.arrays[0].name, &dataset.arrays)).unwrap();
+        let distance = dataset.diagonal_world() / 100.0;
+        let transfer = presets::preset("viridis", field.range, OpacityProfile::default(), distance).unwrap();
+        let camera = Camera::framing(&dataset.corners_world(), 35.0, 20.0, 64, 48);
+        let options = RenderOptions::default();
+        let rendered = Renderer::new(options).render(&Scene::new(dataset, field, &transfer), &camera).unwrap();
+        assert!(rendered.covered_px(&options) > 300, "{file}: {} pixels", rendered.covered_px(&options));
+    }
 }

@@ -3,6 +3,7 @@
 use std::str::FromStr;
 
 use bytesize::ByteSize;
+use cellfan::io::RawLayout;
 use cellfan::{Error, Region};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
@@ -43,6 +44,25 @@ pub(super) fn color(text: &str) -> Result<[f32; 3], String> {
         return Err("each of R,G,B must lie between 0 and 1".to_owned());
     }
     Ok(color.map(|channel| channel as f32))
+}
+
+/// How a raw volume is written.
+pub(super) fn raw_layout(text: &str) -> Result<RawLayout, String> {
+    text.parse().map_err(problem_of)
+}
+
+/// `X,Y,Z`, from sample to sample.
+pub(super) fn spacing(text: &str) -> Result<[f64; 3], String> {
+    let spacing: [f64; 3] = numbers(text, "X,Y,Z in world units, such as 1,1,2.5")?;
+    if spacing.contains(&0.0) { Err("samples must not stand in one place".to_owned()) } else { Ok(spacing) }
+}
+
+/// What an error about an option says, without its name.
+fn problem_of(error: Error) -> String {
+    match error {
+        Error::Option { problem, .. } => problem,
+        other => other.to_string(),
+    }
 }
 
 /// A colour as displays take it, from 0 to 1.
@@ -87,10 +107,7 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
 
 /// `X0,Y0,X1,Y1` in pixels.
 pub(super) fn region(text: &str) -> Result<Region, String> {
-    text.parse().map_err(|error| match error {
-        Error::Option { problem, .. } => problem,
-        other => other.to_string(),
-    })
+    text.parse().map_err(problem_of)
 }
 
 /// A transmittance at which a ray may end.

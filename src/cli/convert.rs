@@ -7,11 +7,11 @@ use std::time::Instant;
 use cellfan::Error;
 use cellfan::columns::CellSource;
 use cellfan::io::container::{self, Phase, WriteOptions, Written};
-use cellfan::io::{Scratch, WholeCells, check_target, open_meshes_in};
+use cellfan::io::{Scratch, WholeCells, check_target};
 use clap::Args;
 
 use super::arguments::{Cells, bytes as memory, one_of};
-use super::meshes::FORMATS;
+use super::meshes::{FORMATS, Raw};
 use super::numbers::{bytes, count};
 use super::progress::Progress;
 use super::{Outcome, meshes};
@@ -21,6 +21,8 @@ use super::{Outcome, meshes};
 pub(super) struct Arguments {
     #[arg(required = true, value_name = "MESH", help = FORMATS)]
     meshes: Vec<PathBuf>,
+    #[command(flatten)]
+    raw: Raw,
     /// The container to write.
     #[arg(value_name = "OUT.cells")]
     output: PathBuf,
@@ -44,6 +46,7 @@ Examples:
   cellfan convert mesh.vtu mesh.cells
   cellfan convert --adjacency mesh.vtu mesh.cells
   cellfan convert --cells tetrahedra grid.vts tetrahedra.cells
+  cellfan convert --raw 256x256x110:u8 engine.raw engine.cells
   cellfan convert left.vtu right.vtu both.cells
   cellfan convert --memory 500M huge.vtu huge.cells";
 
@@ -51,7 +54,7 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
     let (paths, output) = (&arguments.meshes, &arguments.output);
     check_name(output)?;
     check_target(output)?;
-    if let Some(path) = meshes::one_container(paths)? {
+    if let Some(path) = meshes::one_container(paths, arguments.raw)? {
         let problem = format!("\"{}\" is a container already", path.display());
         return Err(Error::Option { option: "MESH", problem }.into());
     }
@@ -62,7 +65,7 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
     let options = WriteOptions { memory_bytes: memory_bytes / 2, adjacency: arguments.adjacency };
     let mesh = {
         let _progress = meshes::reading(paths);
-        open_meshes_in(paths, &scratch)?
+        meshes::open(paths, arguments.raw, &scratch)?
     };
     let in_file = |error: Error| error.in_file(meshes::label(paths));
     if arguments.cells == Cells::Tetrahedra {

@@ -1,6 +1,9 @@
-//! `generate`: an analytic mesh as a container or a .vtu file.
+//! `generate`: an analytic mesh as a container or a .vtu file, or a volume as NRRD.
+
+mod volume;
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use cellfan::Error;
 use cellfan::generate::{Kind, MAX_JITTER, Orbital, Scheme, Settings, generate, source};
@@ -13,14 +16,15 @@ use super::arguments::{finite, named, one_of};
 use super::convert::{self, is_container_name};
 use super::numbers::count;
 use super::progress::Progress;
+use volume::VolumeArguments;
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
     /// What to generate.
-    #[arg(value_parser = named::<Kind>(Kind::ALL.map(|kind| (kind.name(), kind.description()))))]
-    kind: Kind,
-    /// The file to write: a container (.cells), streamed and of any size, or .vtu.
+    #[arg(value_parser = named::<What>(What::names()))]
+    kind: What,
+    /// The file to write: a container (.cells), streamed and of any size, or .vtu; a volume as .nrrd.
     #[arg(short = 'o', long = "out", value_name = "OUT")]
     output: PathBuf,
     /// Cells wanted; a grid has the fewest boxes that give as many.
@@ -41,9 +45,34 @@ pub(super) struct Arguments {
     /// Delaunay: random points alone, without those that make the mesh fill its cube.
     #[arg(long)]
     no_fill: bool,
-    /// In a .vtu: write the arrays as they are, not compressed by zlib: faster to write and to read.
+    /// In a .vtu or .nrrd: write the arrays as they are, not compressed: faster to write and to read, a volume in place.
     #[arg(long)]
     raw: bool,
+    #[command(flatten)]
+    volume: VolumeArguments,
+}
+
+/// What to generate.
+#[derive(Clone, Copy)]
+enum What {
+    Mesh(Kind),
+    Volume,
+}
+
+impl What {
+    const VOLUME: (&str, &str) = ("volume", "regular grid of samples of a signal, as .nrrd");
+
+    fn names() -> impl Iterator<Item = (&'static str, &'static str)> {
+        Kind::ALL.into_iter().map(|kind| (kind.name(), kind.description())).chain([Self::VOLUME])
+    }
+}
+
+impl FromStr for What {
+    type Err = Error;
+
+    fn from_str(text: &str) -> cellfan::Result<Self> {
+        if text == Self::VOLUME.0 { Ok(Self::Volume) } else { text.parse().map(Self::Mesh) }
+    }
 }
 
 const EXAMPLES: &str = "\
@@ -51,9 +80,11 @@ Examples:
   cellfan generate tets --cells 1000000 -o tets.vtu
   cellfan generate orbital --orbital 3,2,1 --cells 500000 -o orbital.vtu
   cellfan generate tets --cells 100000000 -o huge.cells
-  cellfan generate delaunay --cells 200000 --seed 7 --no-fill --raw -o delaunay.vtu";
+  cellfan generate delaunay --cells 200000 --seed 7 --no-fill --raw -o delaunay.vtu
+  cellfan generate volume --dims 256x256x110 --raw -o rings.nrrd";
 
 pub(super) fn run(arguments: &Arguments) -> Outcome {
+    let What::Mesh(kind) = arguments.kind else { return volume::run(arguments) };
     let path = &arguments.output;
     let is_container = is_container_name(path);
     if !is_container && !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("vtu")) {
@@ -75,15 +106,15 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
     };
     if is_container {
         let source = {
-            let _progress = Progress::running(format!("generating {}", arguments.kind));
-            source(arguments.kind, &settings)?
+            let _progress = Progress::running(format!("generating {kind}"));
+            source(kind, &settings)?
         };
         convert::write(source.as_ref(), path, &WriteOptions::default())?;
         return Ok(());
     }
     let mesh = {
-        let _progress = Progress::running(format!("generating {}", arguments.kind));
-        UnstructuredMesh::from_tets(&generate(arguments.kind, &settings)?)
+        let _progress = Progress::running(format!("generating {kind}"));
+        UnstructuredMesh::from_tets(&generate(kind, &settings)?)
     };
     let compression = if arguments.raw { Compression::None } else { Compression::Zlib };
     {

@@ -9,32 +9,34 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use cellfan::columns::{self, Array, ArrayRanges, CellCounts, Points, ValueRanges};
-use cellfan::io::{Mesh, StructuredBlock, container, formats, open_meshes};
+use cellfan::io::{Mesh, Scratch, StructuredBlock, container, formats};
 use cellfan::{Dataset, Error};
 use clap::Args;
 use kinds::KindCount;
 use rayon::prelude::*;
 use report::{ArrayReport, Drawn, FileReport, LatticeReport, Range, Report};
 
-use super::meshes::FORMATS;
+use super::meshes::{FORMATS, Raw};
 use super::numbers::{bytes, count};
 use super::progress::Progress;
 use super::{Outcome, meshes, stdout};
 
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  cellfan info mesh.vtu\n  cellfan info left.vtu right.vtu\n  cellfan info mesh.vtu --json | jq .arrays"
+    after_help = "Examples:\n  cellfan info mesh.vtu\n  cellfan info left.vtu right.vtu\n  cellfan info --raw 256x256x110:u8 engine.raw\n  cellfan info mesh.vtu --json | jq .arrays"
 )]
 pub(super) struct Arguments {
     #[arg(required = true, value_name = "MESH", help = FORMATS)]
     meshes: Vec<PathBuf>,
+    #[command(flatten)]
+    raw: Raw,
     /// Write JSON.
     #[arg(long)]
     json: bool,
     /// Check a container through and through: checksums, vertex numbers, orientations.
     #[arg(long)]
     check: bool,
-    /// Read a container whole instead of through a memory map.
+    /// Read a container or a volume whole instead of through a memory map.
     #[arg(long)]
     no_mmap: bool,
 }
@@ -45,15 +47,17 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         paths.iter().try_for_each(|path| must_be_container(path))?;
         paths.iter().try_for_each(|path| check(path, !arguments.no_mmap))?;
     }
+    let scratch = if arguments.no_mmap { Scratch::unmapped() } else { Scratch::memory() };
     let report = {
         let _progress = meshes::reading(paths);
-        match meshes::one_container(paths)? {
+        match meshes::one_container(paths, arguments.raw)? {
             Some(path) => {
                 let kinds =
                     container::cells_by_kind(path, !arguments.no_mmap)?.into_iter().map(kinds::of_kind).collect();
                 report_container(path, &container::open(path, !arguments.no_mmap)?, kinds)
             }
-            None => report(paths, open_meshes(paths)?).map_err(|error| error.in_file(meshes::label(paths)))?,
+            None => report(arguments, meshes::open(paths, arguments.raw, &scratch)?)
+                .map_err(|error| error.in_file(meshes::label(paths)))?,
         }
     };
     stdout::write(&if arguments.json { report.to_json() } else { report.to_string() })
@@ -77,7 +81,8 @@ fn check(path: &Path, use_map: bool) -> cellfan::Result<()> {
     Ok(())
 }
 
-fn report(paths: &[PathBuf], mesh: Mesh) -> cellfan::Result<Report> {
+fn report(arguments: &Arguments, mesh: Mesh) -> cellfan::Result<Report> {
+    let name = |path: &Path| if arguments.raw.is_given() { RAW } else { format_name(path) };
     let points = mesh.point_count() as u64;
     let kinds = kinds::count(&mesh.cells_by_code());
     let dims = match &mesh {
@@ -95,7 +100,7 @@ fn report(paths: &[PathBuf], mesh: Mesh) -> cellfan::Result<Report> {
         mesh => drawn_of(mesh)?,
     };
     Ok(Report {
-        files: paths.iter().map(|path| FileReport::new(path, format_name(path))).collect(),
+        files: arguments.meshes.iter().map(|path| FileReport::new(path, name(path))).collect(),
         points,
         cells: counts.in_file,
         kinds,
@@ -199,6 +204,9 @@ fn bounds(points: &Points) -> Option<[[f64; 3]; 2]> {
 
 /// What containers are called.
 const CONTAINER: &str = "cellfan container";
+
+/// What raw volumes are called.
+const RAW: &str = "raw volume";
 
 /// The format, found as the reader finds it.
 fn format_name(path: &Path) -> &'static str {

@@ -19,11 +19,10 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use cellfan::io::container;
+use cellfan::io::{Scratch, container};
 use cellfan::profile::Profile;
 use cellfan::{
     Camera, CpuMethod, Dataset, Error, Model, RenderOptions, Rendered, Renderer, Scene, SortMethod, TransferFunction,
-    io,
 };
 
 pub(super) use arguments::Arguments;
@@ -89,7 +88,7 @@ impl<'a> Request<'a> {
         }
         let mut before = Profile::default();
         let is_whole = arguments.cells != Some(Cells::Tetrahedra);
-        let mut dataset = read(meshes, !arguments.no_mmap, is_whole, &mut before)?;
+        let mut dataset = read(meshes, arguments, is_whole, &mut before)?;
         let start = Instant::now();
         let (bands, band_note) = bands.make(&dataset).map_err(|error| error.in_file(&label))?;
         let field = match bands.first_array() {
@@ -170,10 +169,11 @@ impl Setup {
 }
 
 /// Reads the meshes as one and puts its cells in order.
-fn read(paths: &[PathBuf], use_map: bool, is_whole: bool, profile: &mut Profile) -> cellfan::Result<Dataset> {
+fn read(paths: &[PathBuf], arguments: &Arguments, is_whole: bool, profile: &mut Profile) -> cellfan::Result<Dataset> {
+    let (use_map, raw) = (!arguments.no_mmap, arguments.raw);
     let _progress = meshes::reading(paths);
     let start = Instant::now();
-    if let Some(path) = meshes::one_container(paths)? {
+    if let Some(path) = meshes::one_container(paths, raw)? {
         let dataset = container::open(path, use_map)?;
         profile.add("read", start.elapsed(), if use_map { 0 } else { path.metadata().map_or(0, |file| file.len()) });
         if is_whole || dataset.hexahedra.is_empty() {
@@ -183,7 +183,8 @@ fn read(paths: &[PathBuf], use_map: bool, is_whole: bool, profile: &mut Profile)
         profile.sample_memory();
         return tetrahedra;
     }
-    let mesh = io::open_meshes(paths)?;
+    let scratch = if use_map { Scratch::memory() } else { Scratch::unmapped() };
+    let mesh = meshes::open(paths, raw, &scratch)?;
     let bytes = paths.iter().map(|path| path.metadata().map_or(0, |file| file.len())).sum();
     profile.add("read", start.elapsed(), bytes);
     profile.sample_memory();

@@ -15,6 +15,7 @@ mod random;
 mod settings;
 mod tets;
 mod triangulation;
+mod volume;
 
 pub use buckyball::{Buckyball, buckyball};
 pub use delaunay::delaunay;
@@ -22,6 +23,7 @@ pub use orbital::{Orbital, orbital};
 pub use settings::{MAX_JITTER, Scheme, Settings};
 pub use tets::{marschner_lobb, tets};
 pub use triangulation::tetrahedralize;
+pub use volume::{SampleType, Signal, volume};
 
 use std::fmt;
 use std::str::FromStr;

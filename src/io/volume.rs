@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::expansion::Expansion;
 use super::mapping::Mapped;
 use super::source::Source;
 use super::structured::points_of;
@@ -87,6 +88,12 @@ pub(super) fn of_file(
 ) -> Result<Volume> {
     check(dims, &lattice).map_err(|problem| source.malformed(place, problem))?;
     Volume::new(dims, lattice, arrays).map_err(|error| error.in_file(source.path))
+}
+
+/// A volume without arrays has points that the file does not hold: they count as if it did, compressed. The error is a sentence about it.
+pub(super) fn check_bare(points: usize, arrays: &[Array], expansion: &Expansion) -> Result<(), String> {
+    let bytes = if arrays.is_empty() { (size_of::<[f32; 3]>() as u64).saturating_mul(points as u64) } else { 0 };
+    expansion.take(bytes)
 }
 
 /// The volume, which says when the file changes whose bytes its arrays use in place, if they do.

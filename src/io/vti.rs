@@ -75,6 +75,8 @@ fn read_pieces(bytes: &[u8], mapped: Option<&Mapped>, path: &Path, scratch: &Scr
             let too_many = || source.malformed(piece.place(), format!("{dims:?} points cannot be"));
             let points = points_of(dims).ok_or_else(too_many)?;
             let arrays = vtk_xml::arrays(piece, points, cells_of(dims), encoding, source)?;
+            volume::check_bare(points, &arrays, &encoding.expansion)
+                .map_err(|problem| source.malformed(piece.place(), problem))?;
             check_lengths(&arrays, points as u64, cells_of(dims) as u64).map_err(|error| error.in_file(path))?;
             pieces.push(Piece { extent, lattice, arrays });
         }

@@ -1,6 +1,7 @@
 //! Small good files of every format, in every encoding; real ones besides, where `CELLFAN_DATA` names them.
 
 mod grids;
+mod volumes;
 mod vtu;
 
 use std::path::{Path, PathBuf};
@@ -9,6 +10,7 @@ use std::sync::OnceLock;
 use crate::common::data_folder;
 
 pub(crate) use grids::{PLOT3D_WORDS, plot3d, plot3d_solution, vtr, vts};
+pub(crate) use volumes::{NRRD_WORDS, RAW_WORDS, nrrd, nrrd_path, raw, vti};
 pub(crate) use vtu::{Style, write_zeros};
 
 /// Files in memory.
@@ -63,6 +65,10 @@ pub(crate) const XML_WORDS: &[&str] = &[
     "Extent='0 1 0 2 0 2'",
     "Extent='0 -1 0 -1 0 -1'",
     "Coordinates",
+    "ImageData",
+    "Origin='1e308 inf 0'",
+    "Spacing='0 nan 1'",
+    "Direction='1 0 0 1 0 0 0 0 1'",
     "vtkMultiBlockDataSet",
     "Collection",
     "Block",
@@ -87,6 +93,10 @@ pub(crate) const VTK_WORDS: &[&str] = &[
     "UNSTRUCTURED_GRID",
     "STRUCTURED_GRID",
     "RECTILINEAR_GRID",
+    "STRUCTURED_POINTS",
+    "SPACING 0 nan 1\n",
+    "ASPECT_RATIO",
+    "ORIGIN 1e308 inf 0\n",
     "DIMENSIONS",
     "X_COORDINATES",
     "BLANKING",
@@ -267,6 +277,7 @@ pub(crate) fn vtk() -> Seeds {
     section("g 1 5 short", vec![0, 1, 0, 2, 0, 3, 0, 4, 0, 5]);
     let mut seeds = vec![text.into_bytes(), new.into_bytes(), binary];
     seeds.extend(grids::legacy());
+    seeds.push(volumes::legacy());
     seeds.extend(shared(&["vtk"], 8192).into_iter().filter(|file| cellfan::io::read_vtk(file, Path::new("")).is_ok()));
     seeds
 }

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use cellfan::columns::Dataset;
-use cellfan::io::{self, Mesh};
+use cellfan::columns::{Association, Dataset, Volume};
+use cellfan::io::{self, Mesh, RawLayout};
 use cellfan::optics::BandTable;
 use cellfan::optics::presets::{self, OpacityProfile};
 use cellfan::{Camera, FieldSelection, RenderOptions, Renderer, Scene, SortMethod, TransferFunction};
@@ -48,6 +48,8 @@ const TEXT: Limits = Limits { times: 64, mebibytes: 1, millis: 1000 };
 const GRID: Limits = Limits { times: 128, mebibytes: 4 * 50, millis: GRID_MILLIS };
 const XML_AXES: Limits = Limits { millis: GRID_MILLIS, ..XML };
 const GRID_MILLIS: u64 = 8000;
+/// Deflate makes up to 1032 bytes of one, which is all that holds a volume back; points and cells of few are made besides.
+const INFLATED: Limits = Limits { times: 2200, mebibytes: 50, millis: 1000 };
 /// A map of the most points is sampled at 70,000 places.
 const MAP: Limits = Limits { mebibytes: 48, ..TEXT };
 
@@ -72,6 +74,9 @@ pub(crate) const TARGETS: &[Target] = &[
     ),
     target("vtm", seeds::vtm, |bytes| mesh(io::read_vtm(bytes, &seeds::pieces().join("a.vtm"))), seeds::XML_WORDS, XML),
     target("pvd", seeds::pvd, |bytes| mesh(io::read_pvd(bytes, &seeds::pieces().join("a.pvd"))), seeds::XML_WORDS, XML),
+    target("vti", seeds::vti, |bytes| volume(io::read_vti(bytes, Path::new("a.vti"))), seeds::XML_WORDS, XML),
+    target("nrrd", seeds::nrrd, |bytes| volume(io::read_nrrd(bytes, &seeds::nrrd_path())), seeds::NRRD_WORDS, INFLATED),
+    target("raw", seeds::raw, raw, seeds::RAW_WORDS, INFLATED),
     target("vtk", seeds::vtk, |bytes| mesh(io::read_vtk(bytes, Path::new("a.vtk"))), seeds::VTK_WORDS, GRID),
     target(
         "plot3d",
@@ -114,6 +119,32 @@ fn mesh(read: cellfan::Result<impl Into<Mesh>>) -> Result<(), String> {
         check(&dataset);
     }
     Ok(())
+}
+
+/// A volume is used in place; a small one becomes a mesh as well.
+fn volume(read: cellfan::Result<Volume>) -> Result<(), String> {
+    let volume = read.map_err(|error| error.to_string())?;
+    assert!(volume.corners_world().iter().all(|corner| corner.is_finite()), "a point that is nowhere");
+    for array in &volume.arrays {
+        let tuples = if array.association == Association::Point { volume.points() } else { volume.cells() };
+        assert_eq!(array.values.len(), tuples * array.components, "array {:?}", array.name);
+        let field = volume.field(&FieldSelection::parse(&array.name, &volume.arrays));
+        assert!(field.is_err() || field.is_ok_and(|field| field.range.0 <= field.range.1));
+    }
+    if volume.points() <= 1 << 16
+        && let Ok(dataset) = Mesh::from(volume).into_whole_dataset()
+    {
+        check(&dataset);
+    }
+    Ok(())
+}
+
+/// The first line is the layout of the rest.
+fn raw(bytes: &[u8]) -> Result<(), String> {
+    let end = bytes.iter().position(|&byte| byte == b'\n').unwrap_or(bytes.len());
+    let layout = String::from_utf8_lossy(&bytes[..end]).parse::<RawLayout>().map_err(|error| error.to_string())?;
+    let samples = bytes.get(end + 1..).unwrap_or_default();
+    volume(io::read_raw(samples, Path::new("a.raw.gz"), &layout))
 }
 
 /// A solution beside its grid.

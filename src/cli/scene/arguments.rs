@@ -8,6 +8,7 @@ use cellfan::{CpuMethod, Integral, Model, Region, SortMethod};
 use clap::Args;
 
 use crate::cli::arguments::{Cells, bytes, length, named, one_of, region, size, transmittance, view};
+use crate::cli::meshes::Raw;
 
 /// What draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +24,9 @@ pub(super) enum Backend {
 #[derive(Args)]
 #[group(id = "scene")]
 pub(in crate::cli) struct Arguments {
+    #[command(flatten)]
+    pub(in crate::cli) raw: Raw,
+
     /// The array to draw: NAME, NAME[component], point:NAME or cell:NAME; a vector by its magnitude
     /// [default: one that varies].
     #[arg(long, value_name = "NAME", help_heading = "Picture")]
@@ -78,7 +82,7 @@ pub(in crate::cli) struct Arguments {
     /// How the light of a cell is integrated along a ray.
     #[arg(long, help_heading = "Method", default_value_t, value_parser = named::<Integral>(INTEGRALS))]
     pub(super) integral: Integral,
-    /// Read a container (.cells) whole instead of using it in place through a memory map.
+    /// Read a container (.cells) or the samples of a volume whole instead of using them in place through a memory map.
     #[arg(long, help_heading = "Method")]
     pub(super) no_mmap: bool,
     /// End a ray at this transmittance, which bounds the error; 0 never ends one.

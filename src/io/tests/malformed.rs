@@ -35,6 +35,10 @@ fn files() -> Vec<(String, Vec<u8>, Reader)> {
     files.extend(legacy_grids::binary().map(|(name, file)| (name.to_owned(), file, vtk)));
     files.push(("vts".to_owned(), blocks::two_pieces(), |bytes| read_vts(bytes, Path::new(NAME)).map(Mesh::from)));
     files.push(("vtr".to_owned(), blocks::rectilinear(), |bytes| read_vtr(bytes, Path::new(NAME)).map(Mesh::from)));
+    files.push(("vti".to_owned(), volumes::two_pieces(), |bytes| read_vti(bytes, Path::new(NAME)).map(Mesh::from)));
+    for is_binary in [false, true] {
+        files.push(("structured points".to_owned(), volumes::structured_points(is_binary), vtk));
+    }
     files
 }
 

@@ -9,6 +9,7 @@ mod legacy_grids;
 mod malformed;
 mod samples;
 mod structured;
+mod volumes;
 mod writer;
 mod xml;
 

@@ -37,7 +37,7 @@ pub(super) fn read_vtk_in(bytes: &[u8], path: &Path, scratch: &Scratch) -> Resul
     match read_head(&mut cursor)?.as_str() {
         "UNSTRUCTURED_GRID" => unstructured::read(&mut cursor).map(Mesh::from),
         "STRUCTURED_GRID" => structured::read_structured(&mut cursor).map(Mesh::from),
-        "STRUCTURED_POINTS" => structured::read_points(&mut cursor).map(Mesh::from),
+        "STRUCTURED_POINTS" => structured::read_points(&mut cursor, bytes.len()).map(Mesh::from),
         "RECTILINEAR_GRID" => structured::read_rectilinear(&mut cursor, bytes.len()).map(Mesh::from),
         other => {
             let what = format!("a VTK legacy file with DATASET {other}");

@@ -67,8 +67,8 @@ pub(super) fn read_rectilinear(cursor: &mut Cursor<'_>, file_len: usize) -> Resu
     grid.finish(points, None, cursor)
 }
 
-/// Reads the sections of a regular grid after the head of the file.
-pub(super) fn read_points(cursor: &mut Cursor<'_>) -> Result<Volume> {
+/// Reads the sections of a regular grid after the head of a file of `file_len` bytes.
+pub(super) fn read_points(cursor: &mut Cursor<'_>, file_len: usize) -> Result<Volume> {
     let mut grid = Grid::default();
     let (mut origin, mut spacing) = ([0.0; 3], [1.0; 3]);
     while let Some(keyword) = cursor.next_keyword() {
@@ -82,7 +82,10 @@ pub(super) fn read_points(cursor: &mut Cursor<'_>) -> Result<Volume> {
     }
     let (Grid { dims, attributes }, source) = (grid, cursor.source);
     let too_many = || source.malformed("DIMENSIONS", format!("{dims:?} points cannot be: damaged"));
-    let arrays = attributes.into_arrays(points_of(dims).ok_or_else(too_many)?, cells_of(dims), source)?;
+    let points = points_of(dims).ok_or_else(too_many)?;
+    let arrays = attributes.into_arrays(points, cells_of(dims), source)?;
+    volume::check_bare(points, &arrays, &Expansion::of(file_len))
+        .map_err(|problem| source.malformed("DIMENSIONS", problem))?;
     volume::of_file(dims, Lattice::new(origin.into(), spacing.into()), arrays, "DIMENSIONS, SPACING and ORIGIN", source)
 }
 
