@@ -19,7 +19,7 @@ const TIERS: &[&[&str]] = &[
 
 /// Pairs (user, used) within a tier: errors are everyone's, files are written through `atomic`, and columns know the faces
 /// of the kinds of cells; a mesh's surface is its faces without a neighbour, which a sort finds too; a profile
-/// says which part of a picture a camera took.
+/// says which part of a picture a camera took, and a z-buffer holds the matrices of its camera.
 const WITHIN: &[(&str, &str)] = &[
     ("profile", "error"),
     ("image", "error"),
@@ -27,6 +27,7 @@ const WITHIN: &[(&str, &str)] = &[
     ("atomic", "error"),
     ("memory", "error"),
     ("image", "memory"),
+    ("image", "camera"),
     ("profile", "atomic"),
     ("profile", "memory"),
     ("profile", "camera"),
