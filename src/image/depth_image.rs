@@ -122,16 +122,15 @@ impl DepthImage {
                 Some(colors) => colors,
                 None => {
                     let what = || format!("a picture of {width}x{height} pixels");
-                    allocate(VolCondition::ImageMemory, what, 16 * u64::from(width) * u64::from(height)).map_err(named)?;
+                    allocate(VolCondition::ImageMemory, what, 16 * u64::from(width) * u64::from(height))
+                        .map_err(named)?;
                     let black = |depth: &f32| if depth.is_finite() { [0.0, 0.0, 0.0, 1.0] } else { [0.0; 4] };
                     Image { width, height, pixels: depth_world.iter().map(black).collect() }
                 }
             };
             if [image.width, image.height] != [width, height] {
-                let problem = format!(
-                    "a z-buffer of {width}x{height} pixels for a picture of {}x{}",
-                    image.width, image.height
-                );
+                let problem =
+                    format!("a z-buffer of {width}x{height} pixels for a picture of {}x{}", image.width, image.height);
                 return Err(named(Error::Vol { condition: VolCondition::Size, problem }));
             }
             (image, depth_world)

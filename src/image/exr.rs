@@ -8,10 +8,10 @@ use ::exr::image::read::image::ReadLayers;
 use ::exr::image::read::layers::ReadChannels;
 use ::exr::image::write::WritableImage;
 use ::exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image as ExrImage, Layer};
-use ::exr::meta::attribute::Text;
-use ::exr::meta::MetaData;
-use ::exr::meta::header::LayerAttributes;
 use ::exr::math::Vec2;
+use ::exr::meta::MetaData;
+use ::exr::meta::attribute::Text;
+use ::exr::meta::header::LayerAttributes;
 use ::exr::prelude::SmallVec;
 use ::image::codecs::openexr::OpenExrEncoder;
 use ::image::{ExtendedColorType, ImageEncoder};
@@ -148,5 +148,8 @@ pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<(Image, Option<Vec<f32
 
 /// Whether there is such a channel.
 fn find_name(channels: &[AnyChannel<FlatSamples>], name: &str) -> bool {
-    channels.iter().map(|channel| channel.name.to_string()).any(|known| known == name || known.ends_with(&format!(".{name}")))
+    channels
+        .iter()
+        .map(|channel| channel.name.to_string())
+        .any(|known| known == name || known.ends_with(&format!(".{name}")))
 }

@@ -46,7 +46,8 @@ pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<Image> {
         Error::Malformed { path: path.to_owned(), place: "PNG".to_owned(), problem }
     };
     if !bytes.starts_with(b"\x89PNG") {
-        let (what, advice) = ("a picture that is neither PNG nor EXR".to_owned(), "convert it to one of them".to_owned());
+        let (what, advice) =
+            ("a picture that is neither PNG nor EXR".to_owned(), "convert it to one of them".to_owned());
         return Err(Error::Unsupported { path: path.to_owned(), what, advice });
     }
     let mut limits = ::image::Limits::default();
@@ -70,7 +71,12 @@ const MOST_PIXELS_PER_BYTE: u64 = 2048;
 ///
 /// # Errors
 /// [`Error::Malformed`] where the file is too short for them, [`Error::Vol`] (106) where the memory is.
-pub(super) fn check_expansion(bytes: &[u8], path: &Path, [width, height]: [u32; 2], bytes_per_pixel: u64) -> Result<()> {
+pub(super) fn check_expansion(
+    bytes: &[u8],
+    path: &Path,
+    [width, height]: [u32; 2],
+    bytes_per_pixel: u64,
+) -> Result<()> {
     let pixels = u64::from(width) * u64::from(height);
     let is_possible = pixels <= MOST_PIXELS_PER_BYTE.saturating_mul(bytes.len() as u64);
     if width == 0 || height == 0 || width.max(height) > Camera::MAX_SIDE || !is_possible {
@@ -78,5 +84,6 @@ pub(super) fn check_expansion(bytes: &[u8], path: &Path, [width, height]: [u32; 
         return Err(Error::Malformed { path: path.to_owned(), place: "size".to_owned(), problem });
     }
     let what = || format!("a picture of {width}x{height} pixels");
-    super::zbuffer::allocate(VolCondition::ImageMemory, what, pixels * bytes_per_pixel).map_err(|error| error.in_file(path))
+    super::zbuffer::allocate(VolCondition::ImageMemory, what, pixels * bytes_per_pixel)
+        .map_err(|error| error.in_file(path))
 }

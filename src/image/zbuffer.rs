@@ -107,7 +107,8 @@ impl ZBuffer {
     pub fn open(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let named = |error: Error| error.in_file(path);
-        let file = File::open(path).map_err(|error| named(vol(VolCondition::Open, format!("cannot be opened: {error}"))))?;
+        let file =
+            File::open(path).map_err(|error| named(vol(VolCondition::Open, format!("cannot be opened: {error}"))))?;
         Self::read(BufReader::new(file)).map_err(named)
     }
 
@@ -121,9 +122,10 @@ impl ZBuffer {
         let wrong = || vol(VolCondition::Magic, "no z-buffer: it does not begin with 0x2F0867AB, in either byte order");
         let Some(order) = Self::recognise(&header[..got]) else {
             // Less than four bytes may be the beginning of the number.
-            let is_cut = got < 4 && [ByteOrder::Little, ByteOrder::Big].iter().any(|order| {
-                order.ordered(Self::MAGIC.to_le_bytes()).starts_with(&header[..got])
-            });
+            let is_cut = got < 4
+                && [ByteOrder::Little, ByteOrder::Big]
+                    .iter()
+                    .any(|order| order.ordered(Self::MAGIC.to_le_bytes()).starts_with(&header[..got]));
             return Err(if is_cut { ends_early(0, 0) } else { wrong() });
         };
         if got < HEADER {
@@ -134,7 +136,8 @@ impl ZBuffer {
         let (Ok(width @ 1..), Ok(height @ 1..)) = (u32::try_from(width), u32::try_from(height)) else {
             return Err(vol(VolCondition::Size, format!("a z-buffer of {width}x{height} pixels")));
         };
-        let number = |at: usize| f32::from_bits(order.u32([header[at], header[at + 1], header[at + 2], header[at + 3]]));
+        let number =
+            |at: usize| f32::from_bits(order.u32([header[at], header[at + 1], header[at + 2], header[at + 3]]));
         let matrix = |at: usize| std::array::from_fn(|i| std::array::from_fn(|k| number(at + 16 * i + 4 * k)));
         let (screen_from_world, view_from_world) = (matrix(8), matrix(72));
         let depth_world = read_depths(reader, order, [width, height])?;
