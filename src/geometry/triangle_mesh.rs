@@ -19,7 +19,7 @@ pub struct TriangleMesh {
     pub positions: Vec<[f64; 3]>,
     /// Three positions each.
     pub triangles: Vec<[u32; 3]>,
-    /// A normal of each position, of any length but zero, turned either way; or none: triangles are flat then.
+    /// A normal of each position, of any length, turned either way, zero for that of the triangle; or none: triangles are flat then.
     pub normals: Vec<[f32; 3]>,
     /// Linear RGB of each position; or none.
     pub colors: Vec<[f32; 3]>,

@@ -157,6 +157,11 @@ impl Scene {
         Ok(())
     }
 
+    /// How many triangles were added.
+    pub fn added_triangles(&self) -> u64 {
+        self.triangles.iter().map(|layer| layer.list.len() as u64).sum()
+    }
+
     /// Composites the volume with a picture that another program drew from the same place: each ray ends at the depth of its pixel, and the
     /// colour shows behind the volume in front of it, as that of geometry does. It must have the size of the whole picture, or of the region
     /// that is drawn. Light that lies behind everything, where the picture has no depth, is dimmed by the whole volume.
