@@ -358,6 +358,24 @@ mod tests {
     }
 
     #[test]
+    fn what_vol_refuses_has_its_number() {
+        let number = |number: u16, change: fn(&mut Camera)| {
+            let mut camera = camera();
+            change(&mut camera);
+            let message = camera.frame().unwrap_err().to_string();
+            assert!(message.ends_with(&format!("(Vol's error {number})")), "{message}");
+        };
+        number(108, |camera| (camera.near, camera.far) = (Some(2.0), Some(2.0)));
+        number(109, |camera| camera.projection = Projection::Perspective { fov_degrees: 0.0 });
+        number(110, |camera| camera.projection = Projection::Perspective { fov_degrees: 1e-170 });
+        number(111, |camera| camera.target = camera.eye);
+        number(112, |camera| camera.up = DVec3::ZERO);
+        let mut other = camera();
+        (other.near, other.far) = (Some(3.0), Some(2.0));
+        assert!(!other.frame().unwrap_err().to_string().contains("Vol"));
+    }
+
+    #[test]
     fn an_orbit_of_90_degrees_is_right_handed() {
         let camera = Camera::looking_at(DVec3::new(1.0, 0.0, 0.0), DVec3::ZERO, 1, 1);
         assert!((camera.orbited(90.0).eye - DVec3::Y).length() < 1e-12);

@@ -75,3 +75,14 @@ impl VolCondition {
         format!("{problem} (Vol's error {})", self.number())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::Error;
+
+    #[test]
+    fn error_107_no_cell_with_a_volume() {
+        let message = Error::NoCells { found: "3 triangles".to_owned() }.to_string();
+        assert_eq!(message, "the mesh has no cell with a volume: 3 triangles (Vol's error 107)");
+    }
+}

@@ -271,3 +271,6 @@ fn read_depths(mut reader: impl Read, order: ByteOrder, [width, height]: [u32; 2
 pub(super) fn allocate(condition: VolCondition, what: impl FnOnce() -> String, bytes: u64) -> Result<()> {
     memory::check(what, Some(bytes)).map_err(|error| vol(condition, error.to_string()))
 }
+
+#[cfg(test)]
+mod tests;
