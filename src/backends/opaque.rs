@@ -142,7 +142,7 @@ impl OpaquePicture {
         self.for_each(image, region, |shown, back, is_near| {
             let ([r, g, b, a], [back_r, back_g, back_b, back_a]) = (*shown, back);
             let over = |left: f32| {
-                let alpha = if back_a == 1.0 { 1.0 } else { 1.0 - (1.0 - a) * (1.0 - back_a) };
+                let alpha = if back_a >= 1.0 { 1.0 } else { 1.0 - (1.0 - a) * (1.0 - back_a) };
                 [r + left * back_r, g + left * back_g, b + left * back_b, alpha]
             };
             *shown = match (model, output) {
@@ -177,7 +177,7 @@ impl OpaquePicture {
             let (x, y) = (region.x0 as usize + pixel % width, region.y0 as usize + pixel / width);
             let Some(i) = self.place(x, y) else { return };
             let is_near = self.v[i] > f32::NEG_INFINITY;
-            if is_near || self.color[i] != [0.0; 4] {
+            if is_near || self.color[i].iter().any(|channel| *channel != 0.0) {
                 put(shown, self.color[i], is_near);
             }
         });

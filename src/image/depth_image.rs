@@ -75,7 +75,7 @@ impl DepthImage {
             let problem = format!("the depth of pixel ({}, {}) is no number", i % width as usize, i / width as usize);
             return Err(Error::Vol { condition: VolCondition::Read, problem });
         }
-        let is_nothing = |pixel: &[f32; 4]| *pixel == [0.0; 4];
+        let is_nothing = |pixel: &[f32; 4]| pixel.iter().all(|channel| *channel == 0.0);
         let known = |(depth, pixel)| if is_nothing(pixel) { f32::INFINITY } else { Self::known_depth(depth) };
         let depth_world = depth_world.into_iter().zip(&image.pixels).map(known).collect();
         Ok(Self { image, depth_world })

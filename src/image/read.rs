@@ -7,6 +7,7 @@ use std::path::Path;
 use ::image::codecs::png::PngDecoder;
 use ::image::{DynamicImage, ImageDecoder};
 
+use super::zbuffer::allocate;
 use super::{Image, exr, linear_from_srgb};
 use crate::camera::Camera;
 use crate::error::{Error, Result, VolCondition, presentable};
@@ -23,6 +24,9 @@ pub(super) fn is_exr(bytes: &[u8]) -> bool {
 pub(super) fn bytes(path: &Path) -> Result<Vec<u8>> {
     let vol = |condition, problem| Error::Vol { condition, problem }.in_file(path);
     let mut file = File::open(path).map_err(|error| vol(VolCondition::Open, format!("cannot be opened: {error}")))?;
+    let length = file.metadata().map_or(0, |file| file.len());
+    allocate(VolCondition::Memory, || format!("a file of {length} bytes"), length)
+        .map_err(|error| error.in_file(path))?;
     let mut bytes = Vec::new();
     file.read_to_end(&mut bytes).map_err(|error| vol(VolCondition::Read, format!("cannot be read: {error}")))?;
     Ok(bytes)
@@ -84,6 +88,5 @@ pub(super) fn check_expansion(
         return Err(Error::Malformed { path: path.to_owned(), place: "size".to_owned(), problem });
     }
     let what = || format!("a picture of {width}x{height} pixels");
-    super::zbuffer::allocate(VolCondition::ImageMemory, what, pixels * bytes_per_pixel)
-        .map_err(|error| error.in_file(path))
+    allocate(VolCondition::ImageMemory, what, pixels * bytes_per_pixel).map_err(|error| error.in_file(path))
 }
