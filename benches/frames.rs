@@ -1,15 +1,19 @@
 //! Whole frames: `frame/<mesh>/<model>`, from a camera to the finished picture in memory, a new view each time.
 //!
 //! `frame/hexahedra`: curvilinear hexahedra whole and split into tetrahedra, 5 to 10 pixels a cell, on the processor and on
-//! whatever GPU there is. `frame/bands`: four arrays of extinctions in one pass, and in a pass each.
+//! whatever GPU there is. `frame/bands`: four arrays of extinctions in one pass, and in a pass each. `frame/geometry`: a volume alone, with
+//! its surface, edges and points, with triangles of another file, and with a picture of another program, on each backend.
 //!
 //! Left out: reading and generating meshes, and encoding pictures. With `CELLFAN_BENCH_LARGE` set, also meshes of
 //! 1.3 million cells at 1024×1024.
 
 mod support;
 
+use std::sync::Arc;
+
 use cellfan::columns::{Array, Association};
 use cellfan::generate::Kind;
+use cellfan::geometry::{GeometryOptions, TriangleMesh};
 use cellfan::io::StructuredMesh;
 use cellfan::optics::Output;
 use cellfan::{
@@ -183,6 +187,77 @@ fn bands(criterion: &mut Criterion) {
     group.finish();
 }
 
+/// A sphere of triangles around the middle of `dataset`, half as large, with normals.
+fn sphere(dataset: &Dataset) -> TriangleMesh {
+    let (rings, sides) = (64_u32, 128_u32);
+    let (center, radius) = (dataset.origin + dataset.bounds.center(), 0.2 * dataset.diagonal_world());
+    let outward = |i: u32| {
+        let (ring, side) = (f64::from(i / sides), f64::from(i % sides));
+        let (polar, around) = (ring / f64::from(rings), 2.0 * side / f64::from(sides));
+        let [(sin, cos), (y, x)] = [polar, around].map(|turns| (turns * std::f64::consts::PI).sin_cos());
+        [sin * x, sin * y, cos]
+    };
+    let vertices = (0..(rings + 1) * sides).map(outward);
+    let quads = (0..rings * sides).map(|a| [a, a - a % sides + (a + 1) % sides]);
+    TriangleMesh {
+        positions: vertices.clone().map(|n| [0, 1, 2].map(|k| center[k] + radius * n[k])).collect(),
+        triangles: quads.flat_map(|[a, b]| [[a, b, b + sides], [a, b + sides, a + sides]]).collect(),
+        normals: vertices.map(|n| n.map(|component| component as f32)).collect(),
+        colors: Vec::new(),
+    }
+}
+
+/// Opaque geometry: lists are made before the timer starts, and on a GPU sent; they are drawn anew in each frame.
+fn geometry(criterion: &mut Criterion) {
+    let (cells, side_px) =
+        if std::env::var_os("CELLFAN_BENCH_LARGE").is_some() { (1_300_000, 1024) } else { (50_000, 256) };
+    let mesh = Mesh::generate(Kind::Tets, cells);
+    let views: Vec<_> = (0..32).map(|i| mesh.camera(f64::from(i) * 360.0 / 32.0, side_px)).collect();
+    let drawn = mesh.dataset.tets.len() as u64;
+    let volume = Scene::new(mesh.dataset, mesh.field, &transfer());
+    let (mut triangles, mut picture) = (volume.clone(), volume.clone());
+    triangles.add_triangles(&sphere(volume.dataset()), None).expect("it is near");
+    let all = GeometryOptions {
+        surface: Some([0.5; 3]),
+        edges: Some([0.1; 3]),
+        points: Some([1.0; 3]),
+        ..Default::default()
+    };
+    let with = |geometry| RenderOptions { geometry, depth: true, ..RenderOptions::default() };
+    // What shows the sphere is what it was drawn to.
+    let rendered =
+        Renderer::new(with(GeometryOptions::NONE)).render(&triangles, &views[0]).expect("the camera is valid");
+    picture.set_external(rendered.depth_image().map(Arc::new));
+    let mut group = criterion.benchmark_group("frame/geometry");
+    group.sample_size(10);
+    group.throughput(Throughput::Elements(drawn));
+    for (backend, make) in backends() {
+        let sort = if backend == "gpu" { SortMethod::Centroid } else { SortMethod::Auto };
+        let mut pictures = Vec::new();
+        for (name, scene, geometry) in [
+            ("none", &volume, GeometryOptions::NONE),
+            ("all", &volume, all),
+            ("triangles", &triangles, GeometryOptions::NONE),
+            ("picture", &picture, GeometryOptions::NONE),
+        ] {
+            let mut renderer = make(RenderOptions { sort, depth: false, ..with(geometry) });
+            pictures.push(renderer.render(scene, &views[0]).expect("the camera is valid").image);
+            let mut frame = 0;
+            group.bench_function(format!("{name}/{backend}"), |bencher| {
+                bencher.iter(|| {
+                    frame += 1;
+                    renderer.render(scene, &views[frame % views.len()]).expect("the camera is valid")
+                });
+            });
+        }
+        for drawn in &pictures[1..] {
+            let difference = drawn.difference(&pictures[0], [0.0; 4]).expect("they are of one size");
+            assert!(difference.mean > 1e-3, "{backend}: it does not show: {difference:?}");
+        }
+    }
+    group.finish();
+}
+
 /// What makes a renderer on some backend.
 type Make = Box<dyn Fn(RenderOptions) -> Renderer>;
 
@@ -209,5 +284,5 @@ fn gpu() -> Option<Make> {
     None
 }
 
-criterion_group!(benches, frames, hexahedra, bands);
+criterion_group!(benches, frames, hexahedra, bands, geometry);
 criterion_main!(benches);

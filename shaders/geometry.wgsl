@@ -29,6 +29,8 @@ struct Geometry {
     // First column and row of the part of the picture that is drawn.
     first_px: vec2<f32>,
     has_back_only: u32,
+    // Bit 0: corners have colours; bit 1: normals.
+    has_looks: u32,
 }
 
 @group(0) @binding(0) var<uniform> geometry: Geometry;
@@ -76,6 +78,10 @@ fn triangle(
     @location(1) b: vec3<f32>,
     @location(2) c: vec3<f32>,
 ) -> Surface {
+    return surface(index, a, b, c);
+}
+
+fn surface(index: u32, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> Surface {
     let is_perspective = geometry.is_perspective != 0u;
     var out: Surface;
     let across = cross(b - a, c - a);
@@ -113,6 +119,49 @@ fn triangle(
 
 @fragment
 fn of_triangle(in: Surface) -> Drawn {
+    return fragment_of(in, geometry.color, in.normal);
+}
+
+// A triangle with a colour and a normal at each corner.
+struct Looks {
+    @builtin(position) position: vec4<f32>,
+    @location(0) @interpolate(flat) plane: vec3<f32>,
+    @location(1) @interpolate(flat) range: vec2<f32>,
+    @location(2) @interpolate(flat) normal: vec3<f32>,
+    // Linear on the triangle.
+    @location(3) color: vec3<f32>,
+    @location(4) between: vec3<f32>,
+}
+
+@vertex
+fn triangle_with_looks(
+    @builtin(vertex_index) index: u32,
+    @location(0) a: vec3<f32>,
+    @location(1) b: vec3<f32>,
+    @location(2) c: vec3<f32>,
+    @location(3) color_a: vec3<f32>,
+    @location(4) color_b: vec3<f32>,
+    @location(5) color_c: vec3<f32>,
+    @location(6) normal_a: vec3<f32>,
+    @location(7) normal_b: vec3<f32>,
+    @location(8) normal_c: vec3<f32>,
+) -> Looks {
+    let plain = surface(index, a, b, c);
+    let colors = array<vec3<f32>, 3>(color_a, color_b, color_c);
+    let normals = array<vec3<f32>, 3>(normal_a, normal_b, normal_c);
+    return Looks(plain.position, plain.plane, plain.range, plain.normal, colors[index], normals[index]);
+}
+
+@fragment
+fn of_triangle_with_looks(in: Looks) -> Drawn {
+    let size = length(in.between);
+    let has_normal = (geometry.has_looks & 2u) != 0u && size > 0.0;
+    let normal = select(in.normal, in.between / max(size, 1e-30), has_normal);
+    let color = select(geometry.color, in.color, (geometry.has_looks & 1u) != 0u);
+    return fragment_of(Surface(in.position, in.plane, in.range, in.normal), color, normal);
+}
+
+fn fragment_of(in: Surface, color: vec3<f32>, normal: vec3<f32>) -> Drawn {
     let pixel = in.position.xy - 0.5 + geometry.first_px;
     let v = clamp(dot(in.plane, vec3<f32>(1.0, pixel)), in.range.x, in.range.y);
     if !shows(v) {
@@ -127,6 +176,6 @@ fn of_triangle(in: Surface) -> Drawn {
     }
     let along = geometry.first + pixel.x * geometry.step_x + pixel.y * geometry.step_y;
     let ray = normalize(select(geometry.forward, along, is_perspective));
-    let light = AMBIENT + (1.0 - AMBIENT) * min(abs(dot(in.normal, ray)), 1.0);
-    return Drawn(vec4<f32>(geometry.color * light, v), compared * geometry.z_scale + geometry.z_offset);
+    let light = AMBIENT + (1.0 - AMBIENT) * min(abs(dot(normal, ray)), 1.0);
+    return Drawn(vec4<f32>(color * light, v), compared * geometry.z_scale + geometry.z_offset);
 }

@@ -1,5 +1,6 @@
 //! The camera: where the eye is, and the ray through each pixel.
 
+mod matrices;
 mod region;
 
 pub use region::Region;
@@ -7,7 +8,7 @@ pub use region::Region;
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result, presentable};
+use crate::error::{Error, Result, VolCondition, presentable};
 
 /// How rays leave the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -174,12 +175,12 @@ impl Camera {
         }
         let view = self.target - self.eye;
         if view.length() <= f64::EPSILON * self.eye.length() || view == DVec3::ZERO {
-            return Err(bad("eye and target are the same point".to_owned()));
+            return Err(bad(VolCondition::NoViewDirection.said("eye and target are the same point")));
         }
         let forward = view.normalize();
         let right = forward.cross(self.up.normalize_or_zero());
         if right.length() < 1e-9 {
-            return Err(bad("up is zero or runs along the view; choose another up".to_owned()));
+            return Err(bad(VolCondition::NoUp.said("up is zero or runs along the view; choose another up")));
         }
         let right = right.normalize();
         let up = right.cross(forward);
@@ -188,7 +189,8 @@ impl Camera {
                 (2.0 * (fov_degrees.to_radians() * 0.5).tan(), true)
             }
             Projection::Perspective { fov_degrees } => {
-                return Err(bad(format!("fov is {fov_degrees} degrees; it must be above 0 and below 180")));
+                let problem = format!("fov is {fov_degrees} degrees; it must be above 0 and below 180");
+                return Err(bad(if fov_degrees == 0.0 { VolCondition::NoAngle.said(&problem) } else { problem }));
             }
             Projection::Orthographic { height_world } if height_world > 0.0 && height_world.is_finite() => {
                 (height_world, false)
@@ -207,11 +209,13 @@ impl Camera {
         if let (Some(near), Some(far)) = (self.near, self.far)
             && near >= far
         {
-            return Err(bad(format!("near ({near}) must be less than far ({far})")));
+            let problem = format!("near ({near}) must be less than far ({far})");
+            return Err(bad(if near > far { problem } else { VolCondition::PlanesEqual.said(&problem) }));
         }
         let pixel = height_at_unit_depth / f64::from(self.height);
         if !(pixel * pixel).is_normal() {
-            return Err(bad(format!("a pixel is {pixel:e} wide; choose another fov or orthographic_height")));
+            let problem = format!("a pixel is {pixel:e} wide; choose another fov or orthographic_height");
+            return Err(bad(VolCondition::NoIncrement.said(&problem)));
         }
         Ok(Frame {
             eye: self.eye,
@@ -351,6 +355,24 @@ mod tests {
         ] {
             assert!(matches!(Camera::from_json(bad), Err(Error::Camera { .. })), "{bad}");
         }
+    }
+
+    #[test]
+    fn what_vol_refuses_has_its_number() {
+        let number = |number: u16, change: fn(&mut Camera)| {
+            let mut camera = camera();
+            change(&mut camera);
+            let message = camera.frame().unwrap_err().to_string();
+            assert!(message.ends_with(&format!("(Vol's error {number})")), "{message}");
+        };
+        number(108, |camera| (camera.near, camera.far) = (Some(2.0), Some(2.0)));
+        number(109, |camera| camera.projection = Projection::Perspective { fov_degrees: 0.0 });
+        number(110, |camera| camera.projection = Projection::Perspective { fov_degrees: 1e-170 });
+        number(111, |camera| camera.target = camera.eye);
+        number(112, |camera| camera.up = DVec3::ZERO);
+        let mut other = camera();
+        (other.near, other.far) = (Some(3.0), Some(2.0));
+        assert!(!other.frame().unwrap_err().to_string().contains("Vol"));
     }
 
     #[test]

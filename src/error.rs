@@ -2,7 +2,11 @@
 //!
 //! An error is raised at the edge that sees it, carries its facts as fields, and is printed once, by the program.
 
+mod vol;
+
 use std::path::PathBuf;
+
+pub use vol::VolCondition;
 
 /// Most characters of a sentence about a file: it may quote what the file holds, which may be long.
 const LONGEST_PROBLEM: usize = 600;
@@ -161,7 +165,7 @@ pub enum Error {
     },
 
     /// Nothing is left to draw.
-    #[error("the mesh has no cell with a volume: {found}")]
+    #[error("{}", VolCondition::NotVolumetric.said(&format!("the mesh has no cell with a volume: {found}")))]
     NoCells {
         /// What was found instead.
         found: String,
@@ -213,6 +217,15 @@ pub enum Error {
     /// A camera that cannot look at anything.
     #[error("camera: {problem}")]
     Camera {
+        /// What is wrong and what was expected.
+        problem: String,
+    },
+
+    /// What Vol (Amidon 1995) refuses of a z-buffer file or an external picture, with its number.
+    #[error("{}", condition.said(problem))]
+    Vol {
+        /// Which of the paper's conditions.
+        condition: VolCondition,
         /// What is wrong and what was expected.
         problem: String,
     },

@@ -24,7 +24,7 @@ use crate::camera::Camera;
 use crate::columns::Dataset;
 use crate::error::{Error, Result};
 use crate::geometry::GeometryOptions;
-use crate::image::{BandImage, Image};
+use crate::image::{BandImage, DepthImage, Image};
 use crate::memory;
 #[cfg(feature = "gpu")]
 use crate::optics::Shading;
@@ -74,6 +74,8 @@ pub struct RenderOptions {
     pub instruction_set: Option<InstructionSet>,
     /// Opaque geometry of the mesh in the volume.
     pub geometry: GeometryOptions,
+    /// Also give how far away what is opaque is, in each pixel: [`Rendered::depth_world`].
+    pub depth: bool,
 }
 
 impl Default for RenderOptions {
@@ -90,6 +92,7 @@ impl Default for RenderOptions {
             memory_bytes: None,
             instruction_set: None,
             geometry: GeometryOptions::default(),
+            depth: false,
         }
     }
 }
@@ -103,6 +106,8 @@ pub struct Rendered {
     /// All bands, where the scene has bands of their own: in the absorption model, and in emission-absorption (the light of each) where
     /// they are more than three.
     pub bands: Option<BandImage>,
+    /// View depth of what is opaque in each pixel, in world units, where [`RenderOptions::depth`] asks for it; infinite where there is nothing.
+    pub depth_world: Option<Vec<f32>>,
     /// What became of the cells.
     pub cells: CellStats,
     /// Triangles rasterised; none with footprints.
@@ -115,6 +120,14 @@ pub struct Rendered {
     pub profile: Profile,
     /// From the camera to the finished picture, in milliseconds.
     pub frame_ms: f64,
+}
+
+impl Rendered {
+    /// The picture with its depths, to be composited with others; none where [`RenderOptions::depth`] did not ask for depths, or the picture went
+    /// into a texture.
+    pub fn depth_image(&self) -> Option<DepthImage> {
+        DepthImage::new(self.image.clone(), self.depth_world.clone()?).ok()
+    }
 }
 
 /// Draws scenes; keeps what survives a change of view.
@@ -191,7 +204,7 @@ impl Renderer {
     ) -> Result<Rendered> {
         self.check_options()?;
         self.check_bands(scene)?;
-        self.check_geometry(scene)?;
+        self.options.geometry.check()?;
         let options = self.options;
         if let Some(backing) = &scene.dataset.backing {
             backing.check()?;
@@ -223,6 +236,7 @@ impl Renderer {
         };
         let drawn = draw(self, &frame, &mut profile);
         let (image, bands, counts) = drawn.map_err(|error| opaque::with_geometry(error, &options, &frame))?;
+        let depth_world = self.depths_world(&frame)?;
         let frame_ms = start.elapsed().as_secs_f64() * 1e3;
 
         let misordered_pairs = options.check_order.then(|| order::misordered_pairs(&frame));
@@ -230,7 +244,8 @@ impl Renderer {
         let cells = cell_stats(&scene.dataset, &counts, self.draws_fans());
         let order = self.order_stats(order, &counts, misordered_pairs);
         let geometry = opaque::stats(opaque.as_ref(), &counts);
-        Ok(Rendered { image, bands, cells, triangles: counts.triangles, geometry, order, profile, frame_ms })
+        let triangles = counts.triangles;
+        Ok(Rendered { image, bands, depth_world, cells, triangles, geometry, order, profile, frame_ms })
     }
 
     fn check_options(&self) -> Result<()> {

@@ -18,8 +18,8 @@ const TIERS: &[&[&str]] = &[
 ];
 
 /// Pairs (user, used) within a tier: errors are everyone's, files are written through `atomic`, and columns know the faces
-/// of the kinds of cells; a mesh's surface is its faces without a neighbour, which a sort finds too; a profile
-/// says which part of a picture a camera took.
+/// of the kinds of cells; a mesh's surface is its faces without a neighbour, which a sort finds too, and those of other files are read; a profile
+/// says which part of a picture a camera took, and a z-buffer holds the matrices of its camera.
 const WITHIN: &[(&str, &str)] = &[
     ("profile", "error"),
     ("image", "error"),
@@ -27,12 +27,14 @@ const WITHIN: &[(&str, &str)] = &[
     ("atomic", "error"),
     ("memory", "error"),
     ("image", "memory"),
+    ("image", "camera"),
     ("profile", "atomic"),
     ("profile", "memory"),
     ("profile", "camera"),
     ("image", "atomic"),
     ("columns", "cells"),
     ("geometry", "stages"),
+    ("io", "geometry"),
     ("main", "cli"),
 ];
 

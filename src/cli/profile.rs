@@ -31,7 +31,7 @@ pub(super) fn run(arguments: &Arguments, recorder: Option<&Recorder>) -> Outcome
     for path in [arguments.plot.as_deref(), arguments.csv.as_deref(), arguments.trace.as_deref(), stats_path] {
         path.map(check_target).transpose()?;
     }
-    let mut setup = Request::new(&arguments.meshes, &arguments.scene, &arguments.geometry)?.read()?;
+    let mut setup = Request::new(&arguments.meshes, &arguments.scene, &arguments.geometry, None)?.read()?;
     let report = measure(arguments, &mut setup, recorder)?;
 
     if let Some(path) = stats_path {

@@ -27,7 +27,7 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         let problem = "a PNG cannot show optical depths; write .exr or .npy (-o OUT.exr)".to_owned();
         return Err(Error::Option { option: "--output", problem }.into());
     }
-    let request = Request::new(&arguments.meshes, &arguments.scene, &arguments.geometry)?;
+    let request = Request::new(&arguments.meshes, &arguments.scene, &arguments.geometry, Some(&arguments.composite))?;
     let mut pictures = Pictures::create(output_path, encoding(arguments), arguments.frames)?;
     let stats_path = arguments.stats.as_deref().filter(|path| *path != Path::new("-"));
     stats_path.map(io::check_target).transpose()?;
@@ -46,6 +46,9 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
             let rendered = setup.draw(&camera)?;
             let start = Instant::now();
             pictures.push(&rendered)?;
+            if let (Some(path), Some(picture)) = (&arguments.composite.depth, rendered.depth_image()) {
+                picture.save(path, Some(&camera))?;
+            }
             after.add("write", start.elapsed(), 0);
             after.sample_memory();
             frames.add(rendered, setup.options);

@@ -8,6 +8,7 @@ mod array;
 mod automatic;
 mod backend;
 mod bands;
+mod composite;
 mod geometry;
 mod heap;
 mod memory;
@@ -17,8 +18,10 @@ mod view;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant;
 
+use cellfan::image::DepthImage;
 use cellfan::io::{Scratch, container};
 use cellfan::profile::Profile;
 use cellfan::{
@@ -28,7 +31,9 @@ use cellfan::{
 pub(super) use arguments::Arguments;
 use backend::Backend;
 use bands::BandSource;
+pub(super) use composite::Composite;
 pub(super) use geometry::Geometry;
+use geometry::ReadTriangles;
 use memory::Memory;
 use serde_json::Value;
 use summary::Summary;
@@ -47,6 +52,8 @@ pub(super) struct Request<'a> {
     transfer: TransferSource,
     bands: BandSource,
     view: ViewSource,
+    triangles: ReadTriangles,
+    external: Option<Arc<DepthImage>>,
 }
 
 /// A scene, the first camera, and what draws them.
@@ -66,21 +73,30 @@ pub(super) struct Setup {
 
 impl<'a> Request<'a> {
     /// Checks the arguments, finds a device, reads all files but the meshes.
-    pub(super) fn new(meshes: &'a [PathBuf], arguments: &'a Arguments, geometry: &Geometry) -> cellfan::Result<Self> {
+    pub(super) fn new(
+        meshes: &'a [PathBuf],
+        arguments: &'a Arguments,
+        geometry: &Geometry,
+        composite: Option<&Composite>,
+    ) -> cellfan::Result<Self> {
+        let view = ViewSource::load(arguments)?;
+        let depth = composite.is_some_and(|composite| composite.depth.is_some());
         Ok(Self {
             meshes,
             arguments,
-            options: RenderOptions { geometry: geometry.options(), ..options(arguments)? },
+            options: RenderOptions { geometry: geometry.options(), depth, ..options(arguments)? },
             backend: Backend::choose(arguments)?,
             transfer: TransferSource::load(arguments)?,
             bands: BandSource::load(arguments)?,
-            view: ViewSource::load(arguments)?,
+            triangles: geometry.read()?,
+            external: composite.map(|composite| composite.read(&view)).transpose()?.flatten(),
+            view,
         })
     }
 
     /// Reads the meshes and makes the scene.
     pub(super) fn read(self) -> cellfan::Result<Setup> {
-        let Self { meshes, arguments, options, backend, transfer, bands, view } = self;
+        let Self { meshes, arguments, options, backend, transfer, bands, view, triangles, external } = self;
         let label = meshes::label(meshes);
         if arguments.memory.is_some() {
             meshes::check_budget(meshes)?;
@@ -111,7 +127,9 @@ impl<'a> Request<'a> {
         let summary = Summary::new(&label, &dataset, &field, &view_note, &transfer_note);
         // The arrays are not needed any more.
         dataset.arrays = Vec::new();
-        let scene = bands.give_to(Scene::new(dataset, field, &transfer)).map_err(|error| error.in_file(&label))?;
+        let mut scene = bands.give_to(Scene::new(dataset, field, &transfer)).map_err(|error| error.in_file(&label))?;
+        triangles.give_to(&mut scene)?;
+        scene.set_external(external);
         before.add("field", start.elapsed(), 0);
         before.sample_memory();
 
@@ -126,7 +144,7 @@ impl Arguments {
     /// Everything that was chosen and may change what frames take, by name.
     pub(super) fn settings(&self, setup: &Setup) -> BTreeMap<String, Value> {
         let cells = if self.cells == Some(Cells::Tetrahedra) { "tetrahedra" } else { "whole" };
-        let more: [(&str, Value); 10] = [
+        let more: [(&str, Value); 11] = [
             ("adapter", setup.backend.adapter().into()),
             ("array", setup.scene.field().name.clone().into()),
             ("backend", setup.backend.name().into()),
@@ -134,6 +152,7 @@ impl Arguments {
             ("cells", cells.into()),
             ("gpu_memory", self.gpu_memory.into()),
             ("memory", self.memory.into()),
+            ("mesh_triangles", setup.scene.added_triangles().into()),
             ("no_mmap", self.no_mmap.into()),
             ("threads", rayon::current_num_threads().into()),
             ("transfer", setup.transfer_note.clone().into()),

@@ -1,26 +1,32 @@
-//! [`Image`]: linear RGBA in f32, row 0 on top; files of it, and the difference of two. [`BandImage`]: any number of bands.
+//! [`Image`]: linear RGBA in f32, row 0 on top; files of it, and the difference of two. [`BandImage`]: any number of bands. [`DepthImage`]: with
+//! a depth for each pixel; its files, read and written.
 //!
 //! In: pixels from a backend. Out: .png (to look at), .exr and .npy (the linear values, to the bit), by the extension.
 //! Several frames: [`FrameWriter`]. Files appear whole or not at all.
 //! To add a format: a file with `encode(image, …, writer)`, its extension in [`Format`], its line in [`Image::save`].
 
 mod bands;
+mod depth_image;
 mod difference;
 mod exr;
 mod format;
 mod frames;
 mod npy;
 mod png;
+mod read;
 #[cfg(test)]
 mod tests;
+mod zbuffer;
 
 use std::path::Path;
 
 pub use bands::BandImage;
+pub use depth_image::{DepthImage, DepthImagePart};
 pub use difference::ImageDifference;
 pub use format::{Encoding, Format, check_output};
 pub use frames::{FrameWriter, frame_path};
 pub use png::linear_from_srgb;
+pub use zbuffer::{ByteOrder, ZBuffer};
 
 use crate::atomic::write_atomically;
 use crate::{Error, Result};

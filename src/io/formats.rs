@@ -162,7 +162,11 @@ pub const REFUSED: &[Refused] = &[
     refused("TetGen", &["node", "ele"], TO_VTU),
     refused("a SCIRun field", &["fld"], TO_VTU),
     refused("a Spark98 pack file", &["pack"], TO_VTU),
-    refused("a surface", &["stl", "obj", "ply"], "cellfan draws cells with a volume"),
+    refused(
+        "a surface",
+        &["stl", "obj", "ply"],
+        "cellfan draws cells with a volume, and surfaces beside them (--mesh)",
+    ),
 ];
 
 /// Reads a file that is mapped.

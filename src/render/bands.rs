@@ -91,7 +91,11 @@ impl Renderer {
         let places: Vec<usize> = (first..first + bands).collect();
         for (pass, places) in passes.iter().zip(places.chunks(gathered.per_pass())) {
             let frame = Frame { bands: Some(pass), cull_table, ..*frame };
-            gathered.draw(places, &frame, |frame| self.draw(frame, profile))?;
+            gathered.draw(places, &frame, |frame| {
+                let (mut image, counts) = self.draw(frame, profile)?;
+                self.put_behind_light(&mut image, frame, places)?;
+                Ok((image, counts))
+            })?;
         }
         Ok(())
     }

@@ -1,11 +1,13 @@
 //! Opaque geometry of a frame: lists of the mesh that are made once, what a memory budget leaves beside them, and where they show.
 //!
-//! In: a scene, [`GeometryOptions`]. Out: an [`Opaque`] for the backends, and the picture of the volume with the geometry behind it.
+//! In: a scene, with its external picture and triangles, and [`GeometryOptions`]. Out: an [`Opaque`] for the backends, the picture of the volume
+//! with the geometry behind it, and its depths.
 
+use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
 use super::{RenderOptions, Renderer, Scene};
-use crate::backends::{Counts, Frame, Opaque};
+use crate::backends::{Counts, Frame, Opaque, OpaquePicture};
 use crate::columns::Dataset;
 use crate::error::{Error, Result};
 use crate::geometry::{GeometryOptions, Layer, List, Primitive, edges, points, surface};
@@ -67,6 +69,9 @@ impl Scene {
         add(options.surface, &self.lists.surface, &of_surface, 0.0);
         add(options.edges, &self.lists.edges, &|| edges(dataset), line_px);
         add(options.points, &self.lists.points, &|| points(dataset), point_px);
+        // Lines and points over all that they lie on.
+        let surfaces = usize::from(options.surface.is_some());
+        layers.splice(surfaces..surfaces, self.triangles.iter().cloned());
         layers
     }
 
@@ -79,22 +84,10 @@ impl Scene {
 }
 
 impl Renderer {
-    /// Whether geometry can be drawn as it is asked for.
-    pub(super) fn check_geometry(&self, scene: &Scene) -> Result<()> {
-        let options = &self.options;
-        options.geometry.check()?;
-        if options.geometry.is_any() && scene.bands.is_some() && options.model == Model::EmissionAbsorption {
-            let problem =
-                "surface, edges and points have three colours and no bands; with bands choose --model absorption";
-            return Err(Error::Option { option: "--bands", problem: problem.to_owned() });
-        }
-        Ok(())
-    }
-
-    /// The geometry of a frame, made in its first; none where none is asked for.
+    /// What is opaque in a frame, lists made in its first; none where there is nothing.
     pub(super) fn opaque(&self, scene: &Scene, view: &View, profile: &mut Profile) -> Result<Option<Opaque>> {
         let RenderOptions { geometry, memory_bytes, .. } = &self.options;
-        if !geometry.is_any() {
+        if !geometry.is_any() && scene.triangles.is_empty() && scene.external.is_none() {
             return Ok(None);
         }
         if !scene.has_lists(geometry) {
@@ -108,16 +101,57 @@ impl Renderer {
                 Some(bytes_to_make(scene.dataset(), geometry)),
             )?;
         }
+        let external = match &scene.external {
+            Some(external) => Some(external.part(view.size_px, view.region)?),
+            None => None,
+        };
         let layers = profile.time("geometry", || scene.layers(geometry));
         profile.sample_memory();
-        let opaque = Opaque::new(layers);
+        let mut opaque = Opaque::new(layers);
+        if let Some(part) = external {
+            opaque = opaque.with_external(profile.time("geometry", || OpaquePicture::of_external(&part, view)));
+        }
         memory::check(|| "surface, edges and points in the picture".to_owned(), Some(opaque.bytes(view)))?;
         Ok(Some(opaque))
     }
 
+    /// What is opaque in a frame that was drawn, as what drew it saw it; none where there is nothing.
+    pub(super) fn opaque_picture<'a>(&self, frame: &Frame<'a>) -> Result<Option<Cow<'a, OpaquePicture>>> {
+        let Some(opaque) = frame.opaque else { return Ok(None) };
+        #[cfg(feature = "gpu")]
+        if let Some(gpu) = &self.gpu {
+            return Ok(Some(Cow::Owned(gpu.opaque_picture(frame.view)?)));
+        }
+        Ok(Some(Cow::Borrowed(opaque.picture(frame.view))))
+    }
+
+    /// View depths in world units of the pixels of a frame that was drawn, where they are asked for.
+    pub(super) fn depths_world(&self, frame: &Frame) -> Result<Option<Vec<f32>>> {
+        if !self.options.depth {
+            return Ok(None);
+        }
+        let region = frame.view.region;
+        let [width, height] = region.size_px().map(|side| side as usize);
+        let picture = self.opaque_picture(frame)?;
+        let nothing = || vec![f32::INFINITY; width * height];
+        Ok(Some(picture.map_or_else(nothing, |picture| picture.depths_world(frame.view, region))))
+    }
+
+    /// Puts what is opaque behind a pass of bands of light, which are those at `places`.
+    pub(super) fn put_behind_light(&self, image: &mut Image, frame: &Frame, places: &[usize]) -> Result<()> {
+        if self.options.model == Model::EmissionAbsorption
+            && let Some(picture) = self.opaque_picture(frame)?
+        {
+            picture.put_behind_bands(image, frame.view.region, places);
+        }
+        Ok(())
+    }
+
     /// Puts opaque geometry behind a picture of the volume that the processor drew.
     pub(super) fn put_behind(&self, image: &mut Image, frame: &Frame) {
-        if let Some(opaque) = frame.opaque {
+        // Bands of light do not know here which ones they are.
+        let is_light_of_bands = frame.bands.is_some() && self.options.model == Model::EmissionAbsorption;
+        if let Some(opaque) = frame.opaque.filter(|_| !is_light_of_bands) {
             opaque.picture(frame.view).put_behind(image, frame.view.region, self.options.model, self.options.output);
         }
     }

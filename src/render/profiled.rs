@@ -103,7 +103,7 @@ impl RenderOptions {
         };
         let faces = if self.faces == Faces::Fan { "fan" } else { "exact" };
         let GeometryOptions { surface, surface_faces, edges, points, line_px, point_px } = self.geometry;
-        let all: [(&str, Value); 16] = [
+        let all: [(&str, Value); 17] = [
             ("model", self.model.to_string().into()),
             ("integral", self.integral.to_string().into()),
             ("output", self.output.name().into()),
@@ -119,6 +119,7 @@ impl RenderOptions {
             ("points", points.map(Vec::from).into()),
             ("line_px", f64::from(line_px).into()),
             ("point_px", f64::from(point_px).into()),
+            ("depth", self.depth.into()),
             ("instruction_set", self.instruction_set.map(InstructionSet::name).into()),
         ];
         all.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()

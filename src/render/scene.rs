@@ -1,12 +1,14 @@
 //! `Scene`: a mesh, the scalar drawn on it, and what the scalar looks like, in the form in which stages read it.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use super::band_arrays::BandArrays;
 use super::opaque::Lists;
 use crate::backends::scene_bytes;
 use crate::columns::{Dataset, Field};
 use crate::error::Result;
+use crate::geometry::{Layer, SurfaceFaces, TriangleMesh, triangles};
+use crate::image::DepthImage;
 use crate::optics::{BandTable, Model, Pieces, TransferFunction};
 use crate::profile::Profile;
 use crate::stages::SceneVertex;
@@ -33,6 +35,10 @@ pub struct Scene {
     overlapping_faces: OnceLock<u64>,
     /// Made when a frame first draws them.
     pub(super) lists: Lists,
+    /// Triangles of other files.
+    pub(super) triangles: Vec<Layer>,
+    /// A picture that volumes are composited with.
+    pub(super) external: Option<Arc<DepthImage>>,
 }
 
 /// Where the extinctions of bands come from.
@@ -71,6 +77,8 @@ impl Scene {
             adjacency: OnceLock::new(),
             overlapping_faces: OnceLock::new(),
             lists: Lists::default(),
+            triangles: Vec::new(),
+            external: None,
         }
     }
 
@@ -115,6 +123,52 @@ impl Scene {
         Ok(Self { bands: Some(bands), ..self })
     }
 
+    /// Draws the triangles of `mesh` opaque into the volume, from both sides, lit by a lamp at the eye; in `color` (linear RGB), or in the colours
+    /// of its positions, or, where it has none, in [`TriangleMesh::COLOR`].
+    ///
+    /// Their list is kept, and sent to a GPU once. Every cell is cut at their depth, as
+    /// [`GeometryOptions`](crate::geometry::GeometryOptions) says.
+    ///
+    /// # Errors
+    /// Those of [`triangles`](crate::geometry::triangles).
+    ///
+    /// ```
+    /// use cellfan::geometry::TriangleMesh;
+    /// use cellfan::{Camera, Dataset, Projection, RenderOptions, Renderer, Scene, TransferFunction, generate};
+    /// let dataset = Dataset::from_tets(generate::tets(&generate::Settings { cells: 6, ..Default::default() })?)?;
+    /// let field = dataset.homogeneous_field();
+    /// let mut scene = Scene::new(dataset, field, &TransferFunction::constant([1.0; 3], 2.0)?);
+    /// // A wall across the unit cube, half a unit behind its front side.
+    /// let positions = vec![[0.5, -9.0, -9.0], [0.5, 9.0, -9.0], [0.5, 0.0, 9.0]];
+    /// let wall = TriangleMesh { positions, triangles: vec![[0, 1, 2]], ..Default::default() };
+    /// scene.add_triangles(&wall, Some([0.0; 3]))?;
+    /// let mut camera = Camera::looking_at([3.0, 0.5, 0.5].into(), [0.5; 3].into(), 5, 5);
+    /// camera.projection = Projection::Orthographic { height_world: 0.5 };
+    /// let image = Renderer::new(RenderOptions::default()).render(&scene, &camera)?.image;
+    /// assert!((image.pixel(2, 2)[0] - (1.0 - (-2.0_f32 * 0.5).exp())).abs() < 1e-5);
+    /// # Ok::<(), cellfan::Error>(())
+    /// ```
+    pub fn add_triangles(&mut self, mesh: &TriangleMesh, color: Option<[f32; 3]>) -> Result<()> {
+        let plain =
+            color.filter(|_| !mesh.colors.is_empty()).map(|_| TriangleMesh { colors: Vec::new(), ..mesh.clone() });
+        let list = Arc::new(triangles(&self.dataset, plain.as_ref().unwrap_or(mesh))?);
+        let color = color.unwrap_or(TriangleMesh::COLOR);
+        self.triangles.push(Layer { list, color, faces: SurfaceFaces::All, width_px: 0.0 });
+        Ok(())
+    }
+
+    /// How many triangles were added.
+    pub fn added_triangles(&self) -> u64 {
+        self.triangles.iter().map(|layer| layer.list.len() as u64).sum()
+    }
+
+    /// Composites the volume with a picture that another program drew from the same place: each ray ends at the depth of its pixel, and the
+    /// colour shows behind the volume in front of it, as that of geometry does. It must have the size of the whole picture, or of the region
+    /// that is drawn. Light that lies behind everything, where the picture has no depth, is dimmed by the whole volume.
+    pub fn set_external(&mut self, picture: Option<Arc<DepthImage>>) {
+        self.external = picture;
+    }
+
     /// The mesh.
     pub fn dataset(&self) -> &Dataset {
         &self.dataset
@@ -138,7 +192,9 @@ impl Scene {
     pub fn owned_bytes(&self) -> u64 {
         let adjacency = self.adjacency.get().map_or(0, Adjacency::owned_bytes);
         let scene = scene_bytes(&self.dataset, &self.field, &self.vertices);
-        scene + self.band_bytes() + adjacency + self.lists.bytes()
+        let external = self.external.as_ref().map_or(0, |external| 20 * external.depth_world.len() as u64);
+        let triangles: u64 = self.triangles.iter().map(|layer| layer.list.bytes()).sum();
+        scene + self.band_bytes() + adjacency + self.lists.bytes() + triangles + external
     }
 
     /// Which cells share a face; taken from the dataset or made at the first call.

@@ -1,4 +1,4 @@
-//! `--surface`, `--edges`, `--points`.
+//! `--surface`, `--edges`, `--points`; `--mesh`, `--composite`, `--depth`.
 
 use serde_json::json;
 
@@ -56,6 +56,70 @@ fn bad_colours_and_widths_are_refused() {
         place.render(&format!("-o out.png {option}")).fails(1, &[part]);
     }
     assert_eq!(place.names(), ["mesh.vtu"]);
+}
+
+#[test]
+fn triangles_of_files_are_drawn_beside_the_volume() {
+    let place = Place::with_mesh();
+    place.write("wall.obj", "v -99 -99 0\nv 99 -99 0\nv 0 99 0\nf 1 2 3\n");
+    place.write("other.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 1\nendloop\nendfacet\nendsolid\n");
+    let ran = place.render("-o out.npy --mesh wall.obj=#ff0000 --mesh other.stl --surface --stats -").succeeds();
+    assert!(ran.json()["geometry"]["triangles"].as_u64().unwrap() > 2);
+    let ran = place.render("-o out.npy --mesh wall.obj=#ff0000 --mesh other.stl --stats -").succeeds();
+    assert_eq!(ran.json()["geometry"]["triangles"], json!(2));
+    let (_, pixels) = npy(&place.path("out.npy"));
+    let red = pixels.chunks(4).filter(|pixel| pixel[0] > 0.2 && pixel[1] < 0.01 && pixel[3] > 0.999_999).count();
+    assert!(red > 100, "{red}");
+    place.write("bad.obj", "f 1 2 3\n");
+    for (option, parts) in [
+        ("--mesh bad.obj", vec!["bad.obj", "line 1", "no such position"]),
+        ("--mesh none.stl", vec!["none.stl"]),
+        ("--mesh mesh.vtu", vec!["mesh.vtu", "no STL, PLY or OBJ"]),
+        ("--mesh wall.obj=red", vec!["wall.obj=red", "after FILE="]),
+    ] {
+        place.render(&format!("-o bad.png {option}")).fails(1, &parts);
+    }
+    assert!(!place.names().contains(&"bad.png".to_owned()));
+}
+
+#[test]
+fn pictures_are_composited_by_depth_and_chained() {
+    let place = Place::with_mesh();
+    place.render("-o walls.npy --surface --depth walls.exr").succeeds();
+    place.render("-o walls.png --surface --depth walls.vol").succeeds();
+    let image = |more: &str| {
+        place.render(&format!("-o out.npy {more}")).succeeds();
+        npy(&place.path("out.npy")).1
+    };
+    let close = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    let [plain, walls] = ["", "--surface"].map(image);
+    // The volume stands twice before the walls: once in the picture.
+    let twice = image("--composite walls.exr --depth again.exr");
+    assert!(close(&plain, &twice) > 0.1 && close(&walls, &twice) > 1e-3);
+    // Cells end at the walls, whatever their colour is: black by default.
+    let black = image("--composite walls.vol");
+    let left = black.chunks(4).zip(walls.chunks(4)).zip(plain.chunks(4));
+    let dark = left.filter(|((black, walls), plain)| walls[3] == 1.0 && black[3] == 1.0 && black[0] <= plain[0] + 1e-5);
+    assert!(dark.count() > 100);
+    let painted = image("--composite walls.vol --composite-color walls.png");
+    assert!(close(&painted, &black) > 0.1);
+    assert_eq!(place.read("again.exr")[..4], [0x76, 0x2f, 0x31, 0x01]);
+
+    std::fs::write(place.path("cut.vol"), &place.read("walls.vol")[..500]).unwrap();
+    std::fs::write(place.path("wrong.vol"), b"wrong").unwrap();
+    for (options, parts) in [
+        ("--composite none.exr", vec!["none.exr", "(Vol's error 105)"]),
+        ("--composite cut.vol", vec!["cut.vol", "(Vol's error 104)"]),
+        ("--composite wrong.vol", vec!["wrong.vol", "(Vol's error 101)"]),
+        ("--composite walls.vol --size 48x41", vec!["walls.vol", "48x40", "48x41", "(Vol's error 102)"]),
+        ("--composite .", vec!["(Vol's error 100)"]),
+        ("--depth out.png", vec!["out.png", ".exr"]),
+        ("--composite walls.vol --frames 2", vec!["--frames"]),
+        ("--composite-color walls.png", vec!["--composite"]),
+    ] {
+        place.render(&format!("-o bad.png {options}")).fails(1, &parts);
+    }
+    assert!(!place.names().contains(&"bad.png".to_owned()));
 }
 
 #[cfg(feature = "gpu")]

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use cellfan::columns::{Association, Dataset, Volume};
+use cellfan::image::DepthImage;
 use cellfan::io::{self, Mesh, RawLayout};
 use cellfan::optics::BandTable;
 use cellfan::optics::presets::{self, OpacityProfile};
@@ -53,6 +54,12 @@ const INFLATED: Limits = Limits { times: 2200, mebibytes: 50, millis: 1000 };
 /// A map of the most points is sampled at 70,000 places.
 const MAP: Limits = Limits { mebibytes: 48, ..TEXT };
 
+/// A vertex of two characters takes 80 bytes, in a vector that doubles.
+const TRIANGLES: Limits = Limits { times: 256, ..TEXT };
+
+/// The most pixels of a byte, 2048, may take 20 bytes and 8 a channel, of which a file may have many.
+const DEPTH_IMAGE: Limits = Limits { times: 2048 * 64, mebibytes: 16, millis: 4000 };
+
 /// Tables and bins of a frame.
 const PICTURE: Limits = Limits { mebibytes: 32, ..TEXT };
 
@@ -92,6 +99,10 @@ pub(crate) const TARGETS: &[Target] = &[
     target("bands-csv", seeds::transfer_csv, |bytes| bands(bytes, "csv"), seeds::CSV_WORDS, TEXT),
     target("paraview", seeds::paraview, |bytes| transfer(bytes, "json"), seeds::JSON_WORDS, MAP),
     target("camera", seeds::camera, camera, seeds::JSON_WORDS, TEXT),
+    target("stl", seeds::stl, |bytes| triangles(bytes, "a.stl"), seeds::STL_WORDS, TRIANGLES),
+    target("ply", seeds::ply, |bytes| triangles(bytes, "a.ply"), seeds::PLY_WORDS, TRIANGLES),
+    target("obj", seeds::obj, |bytes| triangles(bytes, "a.obj"), seeds::OBJ_WORDS, TRIANGLES),
+    target("depth-image", seeds::depth_images, depth_image, &[], DEPTH_IMAGE),
     target("container", seeds::container, container, seeds::JSON_WORDS, CONTAINER),
     Target { refuses_seeds: true, ..target("draw", seeds::vtk, draw, seeds::VTK_WORDS, PICTURE) },
     Target { refuses_seeds: true, ..target("open", seeds::real, through_a_file, seeds::VTK_WORDS, XML) },
@@ -212,6 +223,20 @@ fn camera(bytes: &[u8]) -> Result<(), String> {
         let pixel = frame.pixel(ray.origin + ray.direction * camera.eye.distance(camera.target));
         assert!(pixel.is_finite(), "{pixel:?} of {ray:?}");
     }
+    Ok(())
+}
+
+fn triangles(bytes: &[u8], name: &str) -> Result<(), String> {
+    let mesh = io::read_triangles(bytes, Path::new(name)).map_err(|error| error.to_string())?;
+    assert!(!mesh.triangles.is_empty() && mesh.check().is_ok());
+    Ok(())
+}
+
+fn depth_image(bytes: &[u8]) -> Result<(), String> {
+    let picture = DepthImage::decode(bytes, Path::new("a.vol"), None).map_err(|error| error.to_string())?;
+    let (width, height) = (picture.image.width as usize, picture.image.height as usize);
+    assert_eq!([picture.image.pixels.len(), picture.depth_world.len()], [width * height; 2]);
+    assert!(picture.depth_world.iter().all(|depth| !depth.is_nan()));
     Ok(())
 }
 

@@ -27,6 +27,7 @@ pub(crate) const DEPTH: RenderOptions = RenderOptions {
     memory_bytes: None,
     instruction_set: None,
     geometry: cellfan::geometry::GeometryOptions::NONE,
+    depth: false,
 };
 
 /// Six bands over 0 to 1: rising, falling to 0, constant, with steps, a peak, nearly nothing.

@@ -279,9 +279,36 @@ fn wavelength_bands_end_on_geometry() {
         }
     }
     assert!(ended > 500, "{ended}");
-    // Light in bands has no colour for it.
-    let refused = Renderer::new(with(strokes())).render(&scene, &camera).unwrap_err();
-    assert!(matches!(refused, Error::Option { option: "--bands", .. }), "{refused}");
+}
+
+#[test]
+fn bands_of_light_end_on_geometry() {
+    let case = Case::new(grid(48, Scheme::Six, 0.2), "value");
+    let (camera, transfer) = (frame_unit_cube(37.0, 22.0, 100, 75), smooth());
+    let extinctions = |of: fn(&cellfan::ControlPoint) -> f64| -> Vec<BandPoint> {
+        let points = transfer.points().iter();
+        points.map(|point| BandPoint { value: point.value, extinctions: vec![of(point); 4] }).collect()
+    };
+    let names = ["red", "green", "blue", "beyond"].map(str::to_owned).to_vec();
+    // Four bands of the one extinction: the picture without bands, and a fourth that is white.
+    let table = BandTable::new(names, extinctions(|point| point.extinction)).unwrap();
+    let plain = case.scene(&transfer);
+    let in_bands = plain.clone().with_bands(table);
+    let draw = |scene: &Scene| Renderer::new(with(strokes())).render(scene, &camera).unwrap();
+    let (plain, in_bands) = (draw(&plain), draw(&in_bands));
+    let parity = Parity::of(&plain.image, &in_bands.image, 0.0);
+    assert!(parity.covered > 1000 && parity.mean < 1e-5 && parity.within == 1.0, "{parity:?}");
+    let volume = Renderer::new(RenderOptions::default()).render(&case.scene(&transfer), &camera).unwrap().image;
+    assert!(!Parity::of(&volume, &in_bands.image, 0.0).holds());
+    let bands = in_bands.bands.unwrap();
+    let opaque = (0..7500).filter(|&i| plain.image.pixels[i][3] == 1.0 && volume.pixels[i] == [0.0; 4]);
+    let mean = COLOR.iter().sum::<f32>() / 3.0;
+    let (mut count, at) = (0, |i: usize| bands.pixel(i as u32 % 100, i as u32 / 100));
+    for i in opaque {
+        count += 1;
+        assert!((at(i)[0] - COLOR[0]).abs() < 1e-6 && (at(i)[3] - mean).abs() < 1e-6, "{:?}", at(i));
+    }
+    println!("{count} pixels of geometry alone");
 }
 
 #[test]

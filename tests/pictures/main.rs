@@ -10,12 +10,15 @@ mod check;
 #[path = "../common/mod.rs"]
 mod common;
 mod determinism;
+mod external;
 mod geometry;
 mod golden;
 #[cfg(feature = "gpu")]
 mod gpu;
 #[cfg(feature = "gpu")]
 mod gpu_bands;
+#[cfg(feature = "gpu")]
+mod gpu_external;
 #[cfg(feature = "gpu")]
 mod gpu_geometry;
 #[cfg(feature = "gpu")]

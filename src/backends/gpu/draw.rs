@@ -9,6 +9,7 @@ use crossbeam_channel::bounded;
 
 use super::Gpu;
 use super::accumulate::{BYTES_PER_PIXEL, PICTURE_FORMAT, Targets};
+use super::external::color_and_v;
 use super::geometry::GpuGeometry;
 use super::late::{Late, LateTiles};
 use super::pipelines::{Draw, Pipelines};
@@ -17,11 +18,12 @@ use super::staging::Ring;
 use super::submit::Submitter;
 use super::timestamps::Timestamps;
 use crate::backends::draw_order::DrawOrder;
-use crate::backends::{Counts, Frame};
+use crate::backends::{Counts, Frame, OpaquePicture};
 use crate::error::{Error, Result};
 use crate::image::Image;
 use crate::optics::Shading;
 use crate::profile::{Profile, Track};
+use crate::stages::View;
 use crate::stages::fans::Fan;
 
 /// Draws triangle fans on a GPU; keeps its buffers, and the last draw order, between frames.
@@ -107,7 +109,7 @@ impl GpuCompositor {
             self.timestamps.as_mut(),
             &mut encoder,
         );
-        readback.copy(targets, &mut encoder);
+        readback.copy(&targets.picture, &mut encoder);
         self.submit_and_time(encoder, |_| readback.ask(), profile)?;
         let start = Instant::now();
         let _span = tracing::trace_span!("read_back").entered();
@@ -150,6 +152,26 @@ impl GpuCompositor {
         pipelines.resolve(&self.gpu, texture.format(), accumulated, &view, timestamps, &mut encoder);
         self.submit_and_time(encoder, |_| {}, profile)?;
         Ok(counts)
+    }
+
+    /// What was opaque in the frame that was drawn last, the one of `view`, as fans saw it.
+    ///
+    /// # Errors
+    /// [`Error::NoDevice`] where the device fails.
+    pub fn opaque_picture(&self, view: &View) -> Result<OpaquePicture> {
+        let area = view.region;
+        let drawn = self.geometry.as_ref().and_then(GpuGeometry::drawn);
+        let texture = drawn.ok_or_else(|| self.gpu.failed("has drawn nothing opaque"))?;
+        let readback = Readback::new(&self.gpu, area.size_px());
+        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        readback.copy(texture, &mut encoder);
+        self.gpu.queue.submit([encoder.finish()]);
+        readback.ask();
+        self.gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|_| self.gpu.failed("does not answer"))?;
+        let texels = readback.image(&self.gpu)?.pixels;
+        self.gpu.check()?;
+        let (color, v) = texels.into_iter().map(color_and_v).unzip();
+        Ok(OpaquePicture { area, color, v })
     }
 
     /// Submits the last commands of a frame, waits for them, and notes what the passes took.

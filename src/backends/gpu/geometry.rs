@@ -1,40 +1,78 @@
 //! `GpuGeometry`: opaque geometry drawn to colour and depth, before the volume.
 //!
-//! In: the layers of a frame. Out: a texture of linear RGB and inverse depth, at which fans end and behind which they show it. A list is sent
-//! once and stays in buffers as long as frames draw it; what changes from frame to frame is a uniform for each layer.
+//! In: the layers of a frame, an external picture. Out: a texture of linear RGB and inverse depth, at which fans end and behind which they show
+//! it. A list is sent once and stays in buffers as long as frames draw it; what changes from frame to frame is a uniform for each layer.
 
 use std::sync::Arc;
 
 use wgpu::{BufferUsages, TextureFormat, TextureUsages};
 
 use super::Gpu;
+use super::external::GpuExternal;
 use super::layout::GeometryUniform;
 use super::pipelines::buffer_of;
 use super::shaders;
 use crate::backends::{Frame, Opaque};
-use crate::geometry::{List, Primitive};
+use crate::geometry::{List, Looks, Primitive};
 
-/// Bytes of a buffer at most: a multiple of every primitive's.
-const CHUNK_BYTES: usize = 36 << 20;
+/// Primitives in a buffer at most.
+const CHUNK: usize = 1 << 20;
 
 /// Bytes of device memory for each pixel: colour with inverse depth, and what is compared.
 pub(super) const BYTES_PER_PIXEL: u64 = 16 + 4;
 
-const FORMAT: TextureFormat = TextureFormat::Rgba32Float;
+pub(super) const FORMAT: TextureFormat = TextureFormat::Rgba32Float;
 const DEPTH_FORMAT: TextureFormat = TextureFormat::Depth32Float;
 
 /// A list in buffers.
 struct Sent {
     /// Kept, so that no other list can be taken for it.
     list: Arc<List>,
-    chunks: Vec<wgpu::Buffer>,
+    chunks: Vec<Chunk>,
     uniform: wgpu::Buffer,
     binding: wgpu::BindGroup,
+}
+
+/// Some primitives of a list.
+struct Chunk {
+    primitives: u32,
+    corners: wgpu::Buffer,
+    looks: Option<wgpu::Buffer>,
+}
+
+/// What a pipeline draws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Primitives(Primitive),
+    /// Triangles whose corners have looks of their own.
+    WithLooks,
+}
+
+/// Pipelines of each kind: where they begin in the shaders, and end.
+const KINDS: [(Kind, [&str; 2]); 4] = [
+    (Kind::Primitives(Primitive::Triangles), ["triangle", "of_triangle"]),
+    (Kind::Primitives(Primitive::Lines), ["line", "of_line"]),
+    (Kind::Primitives(Primitive::Points), ["point", "of_point"]),
+    (Kind::WithLooks, ["triangle_with_looks", "of_triangle_with_looks"]),
+];
+
+impl Kind {
+    fn of(list: &List) -> Self {
+        if list.looks().is_some() { Self::WithLooks } else { Self::Primitives(list.primitive()) }
+    }
+
+    fn primitive(self) -> Primitive {
+        match self {
+            Self::Primitives(primitive) => primitive,
+            Self::WithLooks => Primitive::Triangles,
+        }
+    }
 }
 
 /// Textures of one size.
 struct Targets {
     size_px: [u32; 2],
+    texture: wgpu::Texture,
     color: wgpu::TextureView,
     depth: wgpu::TextureView,
     /// The colour, for fans and pictures.
@@ -44,9 +82,13 @@ struct Targets {
 /// Lists, textures and pipelines; what stays the same between frames is kept.
 pub(super) struct GpuGeometry {
     layout: wgpu::BindGroupLayout,
-    pipelines: [wgpu::RenderPipeline; 3],
+    module: wgpu::ShaderModule,
+    pipelines: [wgpu::RenderPipeline; 4],
     sent: Vec<Sent>,
     targets: Option<Targets>,
+    /// With what draws it; made when a frame first has one.
+    external: Option<(GpuExternal, wgpu::RenderPipeline)>,
+    has_external: bool,
 }
 
 /// Vertices that are drawn of a primitive.
@@ -67,19 +109,19 @@ impl GpuGeometry {
             .device
             .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("geometry"), entries: &[entry] });
         let module = shaders::module(&gpu.device, "geometry", shaders::geometry_text());
-        let pipelines = [
-            (Primitive::Triangles, "triangle", "of_triangle"),
-            (Primitive::Lines, "line", "of_line"),
-            (Primitive::Points, "point", "of_point"),
-        ]
-        .map(|(primitive, vertex, fragment)| pipeline(gpu, &layout, &module, primitive, [vertex, fragment]));
-        Self { layout, pipelines, sent: Vec::new(), targets: None }
+        let pipelines = KINDS.map(|(kind, entry_points)| {
+            let buffers = buffers(kind);
+            let buffers: Vec<_> = buffers.iter().map(|buffer| Some(buffer.clone())).collect();
+            pipeline(gpu, &[Some(&layout)], &module, &buffers, entry_points)
+        });
+        Self { layout, module, pipelines, sent: Vec::new(), targets: None, external: None, has_external: false }
     }
 
     /// Bytes of device memory that lists and textures of a frame take.
     pub(super) fn device_bytes(opaque: &Opaque, [width, height]: [u32; 2]) -> u64 {
         let lists: u64 = opaque.layers().iter().map(|layer| layer.list.bytes()).sum();
-        lists + u64::from(width) * u64::from(height) * BYTES_PER_PIXEL
+        let external = if opaque.external().is_some() { 16 } else { 0 };
+        lists + u64::from(width) * u64::from(height) * (BYTES_PER_PIXEL + external)
     }
 
     /// Sends the lists that are not in buffers, drops those that are not drawn; the bytes that were sent.
@@ -100,7 +142,7 @@ impl GpuGeometry {
                 sent_bytes += layer.list.bytes();
                 self.send(gpu, &layer.list)
             };
-            let uniform = GeometryUniform::new(frame, opaque, layer);
+            let uniform = GeometryUniform::new(frame, opaque, Some(layer));
             gpu.queue.write_buffer(&sent.uniform, 0, bytemuck::bytes_of(&uniform));
             self.sent.push(sent);
         }
@@ -109,23 +151,31 @@ impl GpuGeometry {
             self.targets = None;
             self.targets = Some(Targets::new(gpu, size_px, texture));
         }
+        self.has_external = opaque.external().is_some();
+        if let Some(picture) = opaque.external() {
+            let known = self.external.take().filter(|(external, _)| external.is_of(size_px));
+            let (external, _) = self.external.insert(known.unwrap_or_else(|| {
+                let layouts = [Some(&self.layout), Some(texture)];
+                let pipeline = pipeline(gpu, &layouts, &self.module, &[], ["whole_picture", "of_external"]);
+                (GpuExternal::new(gpu, size_px, texture, &self.layout), pipeline)
+            }));
+            sent_bytes += external.send(gpu, frame, opaque, picture);
+        }
         sent_bytes
     }
 
     fn send(&self, gpu: &Gpu, list: &Arc<List>) -> Sent {
-        let bytes: &[u8] = bytemuck::cast_slice(list.corners());
-        let chunks = bytes.chunks(CHUNK_BYTES).map(|chunk| buffer_of(gpu, "geometry", BufferUsages::VERTEX, chunk));
-        let chunks = chunks.collect();
-        let size = size_of::<GeometryUniform>() as u64;
-        let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
-        let label = Some("geometry");
-        let uniform =
-            gpu.device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false });
-        let binding = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label,
-            layout: &self.layout,
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
+        let corners_each = list.primitive().corners();
+        let looks = list.looks().map(interleaved);
+        let buffer =
+            |values: &[[f32; 3]]| buffer_of(gpu, "geometry", BufferUsages::VERTEX, bytemuck::cast_slice(values));
+        let chunks = list.corners().chunks(CHUNK * corners_each).enumerate().map(|(i, corners)| {
+            let primitives = corners.len() / corners_each;
+            let of_chunk = |looks: &Vec<[[f32; 3]; 6]>| buffer(looks[i * CHUNK..][..primitives].as_flattened());
+            Chunk { primitives: primitives as u32, corners: buffer(corners), looks: looks.as_ref().map(of_chunk) }
         });
+        let chunks = chunks.collect();
+        let (uniform, binding) = uniform(gpu, &self.layout);
         Sent { list: list.clone(), chunks, uniform, binding }
     }
 
@@ -150,16 +200,28 @@ impl GpuGeometry {
             occlusion_query_set: None,
             multiview_mask: None,
         });
+        if let Some((external, pipeline)) = self.external.as_ref().filter(|_| self.has_external) {
+            pass.set_pipeline(pipeline);
+            external.draw(&mut pass);
+        }
         for Sent { list, chunks, binding, .. } in &self.sent {
-            let primitive = list.primitive();
-            pass.set_pipeline(&self.pipelines[primitive as usize]);
+            let kind = Kind::of(list);
+            let known = KINDS.iter().position(|(known, _)| *known == kind).unwrap_or_default();
+            pass.set_pipeline(&self.pipelines[known]);
             pass.set_bind_group(0, binding, &[]);
-            for chunk in chunks {
-                let primitives = chunk.size() / stride(primitive);
-                pass.set_vertex_buffer(0, chunk.slice(..));
-                pass.draw(0..vertices(primitive), 0..primitives as u32);
+            for Chunk { primitives, corners, looks } in chunks {
+                pass.set_vertex_buffer(0, corners.slice(..));
+                if let Some(looks) = looks {
+                    pass.set_vertex_buffer(1, looks.slice(..));
+                }
+                pass.draw(0..vertices(kind.primitive()), 0..*primitives);
             }
         }
+    }
+
+    /// Colour and inverse depth as they were drawn; none before a frame had any.
+    pub(super) fn drawn(&self) -> Option<&wgpu::Texture> {
+        self.targets.as_ref().map(|targets| &targets.texture)
     }
 
     /// What binds colour and inverse depth, for fans and pictures.
@@ -168,9 +230,25 @@ impl GpuGeometry {
     }
 }
 
-/// Bytes of a primitive.
-fn stride(primitive: Primitive) -> u64 {
-    (primitive.corners() * size_of::<[f32; 3]>()) as u64
+/// Colours of three corners, then their normals, zero where there are none.
+fn interleaved(Looks { colors, normals }: &Looks) -> Vec<[[f32; 3]; 6]> {
+    let three = |each: &[[f32; 3]], i: usize, k: usize| each.get(3 * i + k).copied().unwrap_or_default();
+    let triangles = colors.len().max(normals.len()) / 3;
+    let of = |i| std::array::from_fn(|k| if k < 3 { three(colors, i, k) } else { three(normals, i, k - 3) });
+    (0..triangles).map(of).collect()
+}
+
+/// A uniform for a layer, and what binds it.
+pub(super) fn uniform(gpu: &Gpu, layout: &wgpu::BindGroupLayout) -> (wgpu::Buffer, wgpu::BindGroup) {
+    let (label, size) = (Some("geometry"), size_of::<GeometryUniform>() as u64);
+    let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+    let uniform = gpu.device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false });
+    let binding = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label,
+        layout,
+        entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
+    });
+    (uniform, binding)
 }
 
 impl Targets {
@@ -187,38 +265,50 @@ impl Targets {
                 usage: usage | TextureUsages::RENDER_ATTACHMENT,
                 view_formats: &[],
             });
-            texture.create_view(&wgpu::TextureViewDescriptor::default())
+            let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+            (texture, view)
         };
-        let color = view(FORMAT, TextureUsages::TEXTURE_BINDING);
+        let (texture, color) = view(FORMAT, TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC);
         let binding = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("geometry"),
             layout,
             entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&color) }],
         });
-        Self { size_px, color, depth: view(DEPTH_FORMAT, TextureUsages::empty()), binding }
+        let (_, depth) = view(DEPTH_FORMAT, TextureUsages::empty());
+        Self { size_px, texture, color, depth, binding }
     }
+}
+
+/// What an instance of a kind reads: corners, and their looks.
+fn buffers(kind: Kind) -> Vec<wgpu::VertexBufferLayout<'static>> {
+    const CORNERS: [wgpu::VertexAttribute; 3] =
+        wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3];
+    const LOOKS: [wgpu::VertexAttribute; 6] = wgpu::vertex_attr_array![
+        3 => Float32x3, 4 => Float32x3, 5 => Float32x3, 6 => Float32x3, 7 => Float32x3, 8 => Float32x3
+    ];
+    let of = |attributes: &'static [wgpu::VertexAttribute]| wgpu::VertexBufferLayout {
+        array_stride: (attributes.len() * size_of::<[f32; 3]>()) as u64,
+        step_mode: wgpu::VertexStepMode::Instance,
+        attributes,
+    };
+    let corners = of(&CORNERS[..kind.primitive().corners()]);
+    if kind == Kind::WithLooks { vec![corners, of(&LOOKS)] } else { vec![corners] }
 }
 
 /// A pipeline that draws an instance for each primitive: nearer, or as near, as what is there.
 fn pipeline(
     gpu: &Gpu,
-    layout: &wgpu::BindGroupLayout,
+    layouts: &[Option<&wgpu::BindGroupLayout>],
     module: &wgpu::ShaderModule,
-    primitive: Primitive,
+    buffers: &[Option<wgpu::VertexBufferLayout>],
     [vertex, fragment]: [&str; 2],
 ) -> wgpu::RenderPipeline {
     let label = Some(vertex);
     let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label,
-        bind_group_layouts: &[Some(layout)],
+        bind_group_layouts: layouts,
         immediate_size: 0,
     });
-    let corners = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3];
-    let buffer = wgpu::VertexBufferLayout {
-        array_stride: stride(primitive),
-        step_mode: wgpu::VertexStepMode::Instance,
-        attributes: &corners[..primitive.corners()],
-    };
     gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label,
         layout: Some(&layout),
@@ -226,7 +316,7 @@ fn pipeline(
             module,
             entry_point: Some(vertex),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[Some(buffer)],
+            buffers,
         },
         primitive: wgpu::PrimitiveState::default(),
         depth_stencil: Some(wgpu::DepthStencilState {

@@ -4,7 +4,8 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::backends::tiles::TileGrid;
 use crate::backends::{Frame, Opaque};
-use crate::geometry::{Layer, SurfaceFaces};
+use crate::columns::Bounds;
+use crate::geometry::{Layer, Looks, SurfaceFaces};
 use crate::optics::texture::OpacityTexture;
 use crate::optics::{BandPiece, LinearPiece, Pieces};
 use crate::stages::View;
@@ -143,22 +144,22 @@ pub(super) struct GeometryUniform {
     pub(super) z_offset: f32,
     pub(super) first_px: [f32; 2],
     pub(super) has_back_only: u32,
-    padding: u32,
+    pub(super) has_looks: u32,
 }
 
 impl GeometryUniform {
-    pub(super) fn new(frame: &Frame, opaque: &Opaque, layer: &Layer) -> Self {
+    /// Of a layer, or of the external picture.
+    pub(super) fn new(frame: &Frame, opaque: &Opaque, layer: Option<&Layer>) -> Self {
         let view = frame.view;
         let narrow = |v: glam::DVec3| v.as_vec3().to_array();
         let (to_x, to_y) = (view.step_x / view.step_x.length_squared(), view.step_y / view.step_y.length_squared());
         let (v_far, v_near) = view.inverse_depth_range();
         let of_frame = FrameUniform::new(frame, Texels::default(), (0.0, 1.0));
         // Compared is v · near, or what is in the middle of 0 to 1, so that nothing is clipped that a rounding moves out.
-        let (z_scale, z_offset) = if view.is_perspective {
-            (view.near, 0.0)
-        } else {
-            (0.5 * of_frame.order_scale, 0.5 * of_frame.order_offset + 0.25)
-        };
+        let [z_scale, z_offset] =
+            if view.is_perspective { [view.near, 0.0] } else { compared_from_depth(frame, opaque) };
+        let looks = layer.and_then(|layer| layer.list.looks());
+        let has = |each: fn(&Looks) -> &Vec<[f32; 3]>| looks.is_some_and(|looks| !each(looks).is_empty());
         Self {
             eye: narrow(view.eye),
             is_perspective: view.is_perspective.into(),
@@ -174,16 +175,16 @@ impl GeometryUniform {
             v_near: finite(v_near),
             step_y: narrow(view.step_y),
             setback_px: opaque.setback_px(),
-            color: layer.color,
-            width_px: layer.width_px,
+            color: layer.map_or([0.0; 3], |layer| layer.color),
+            width_px: layer.map_or(0.0, |layer| layer.width_px),
             ndc_scale: of_frame.ndc_scale,
             ndc_offset: of_frame.ndc_offset,
             size_px: view.size_px.map(|side| side as f32),
             z_scale,
             z_offset,
             first_px: of_frame.first_px,
-            has_back_only: (layer.faces == SurfaceFaces::Back).into(),
-            padding: 0,
+            has_back_only: layer.is_some_and(|layer| layer.faces == SurfaceFaces::Back).into(),
+            has_looks: u32::from(has(|looks| &looks.colors)) | u32::from(has(|looks| &looks.normals)) << 1,
         }
     }
 }
@@ -197,6 +198,24 @@ fn order_from_inverse_depth(frame: &Frame) -> [f32; 2] {
         depths.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(near, far), &w| (near.min(w), far.max(w)));
     let range = (far - near).max(f64::MIN_POSITIVE);
     [1.0 / range, far / range].map(|value| finite(value as f32))
+}
+
+/// Scale and offset that bring the inverse depths −w of everything opaque along parallel rays to the middle of 0 to 1.
+fn compared_from_depth(frame: &Frame, opaque: &Opaque) -> [f32; 2] {
+    let View { eye, forward, world_per_scene, .. } = frame.view;
+    let scene_per_world = world_per_scene.recip() as f32;
+    let bounds = &frame.dataset.bounds;
+    let of_mesh = Bounds { min: bounds.min * scene_per_world, max: bounds.max * scene_per_world };
+    let lists = opaque.layers().iter().filter(|layer| !layer.list.is_empty()).map(|layer| layer.list.bounds());
+    let corners = lists.fold(of_mesh, Bounds::union).corners();
+    let of_corners = corners.iter().map(|corner| -(corner.as_dvec3() - *eye).dot(*forward));
+    let external = opaque.external().into_iter().flat_map(|external| &external.v);
+    let of_external = external.filter(|v| v.is_finite()).map(|&v| f64::from(v));
+    let (low, high) = of_corners
+        .chain(of_external)
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+    let scale = 0.5 / (high - low).max(f64::MIN_POSITIVE);
+    [scale, 0.25 - low * scale].map(|value| finite(value as f32))
 }
 
 /// WGSL need not know infinity.

@@ -8,6 +8,7 @@
 mod accumulate;
 mod device;
 mod draw;
+mod external;
 mod geometry;
 mod late;
 mod layout;

@@ -3,7 +3,6 @@
 use rayon::prelude::*;
 
 use super::Gpu;
-use super::accumulate::Targets;
 use crate::error::Result;
 use crate::image::Image;
 
@@ -40,10 +39,10 @@ impl Readback {
     }
 
     /// Copies the picture, once `encoder` has run.
-    pub(super) fn copy(&self, targets: &Targets, encoder: &mut wgpu::CommandEncoder) {
+    pub(super) fn copy(&self, picture: &wgpu::Texture, encoder: &mut wgpu::CommandEncoder) {
         let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(self.row), rows_per_image: None };
         let buffer = wgpu::TexelCopyBufferInfo { buffer: &self.buffer, layout };
-        encoder.copy_texture_to_buffer(targets.picture.as_image_copy(), buffer, targets.picture.size());
+        encoder.copy_texture_to_buffer(picture.as_image_copy(), buffer, picture.size());
     }
 
     /// Asks for the picture; it is there after the next wait for the device.

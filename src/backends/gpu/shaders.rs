@@ -116,11 +116,11 @@ pub(super) fn resolve_text(has_behind: bool) -> String {
     [wgsl::constants(), common.join("\n")].join("\n")
 }
 
-/// The shader that draws opaque geometry.
+/// The shader that draws opaque geometry, and the external picture before it.
 pub(super) fn geometry_text() -> String {
     let constants = [("AMBIENT", AMBIENT), ("SETBACK", SETBACK), ("LINE_SLACK_PX", LINE_SLACK_PX)];
     let constants = constants.map(|(name, value)| format!("const {name}: f32 = {value:e};")).join("\n");
-    [&wgsl::constants(), &constants, shader!("geometry"), shader!("strokes")].join("\n")
+    [&wgsl::constants(), &constants, shader!("geometry"), shader!("strokes"), shader!("external")].join("\n")
 }
 
 /// A module of `text`.

@@ -70,7 +70,7 @@ fn shaders_parse_and_read_what_rust_writes() {
     let geometry = offsets!(
         GeometryUniform: eye, is_perspective, forward, near, to_x, center_x, to_y, center_y, first, v_far, step_x, v_near,
         step_y, setback_px, color, width_px, ndc_scale, ndc_offset, size_px, z_scale, z_offset, first_px,
-        has_back_only
+        has_back_only, has_looks
     );
     assert_eq!(members(&module, "Geometry"), geometry);
     let words = |bytes: usize| (bytes / 16, bytes % 16 / 4);

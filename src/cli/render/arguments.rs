@@ -24,6 +24,9 @@ pub(in crate::cli) struct Arguments {
     #[command(flatten)]
     pub(super) geometry: scene::Geometry,
 
+    #[command(flatten)]
+    pub(super) composite: scene::Composite,
+
     /// The colour behind a PNG, as sRGB from 0 to 1 [default: transparent].
     #[arg(long, value_name = "R,G,B", help_heading = "Picture", value_parser = color, allow_hyphen_values = true)]
     pub(super) background: Option<[f32; 3]>,
@@ -46,6 +49,7 @@ Examples:
   cellfan render mesh.vtu -o out.exr --transfer tf.json --camera cam.json --size 1920x1080
   cellfan render mesh.vtu -o turn.png --frames 36 --orbit 360 --background 0,0,0
   cellfan render mesh.vtu -o out.npy --model absorption --stats - | jq .frame_ms
+  cellfan render mesh.vtu -o both.png --camera cam.json --mesh wing.stl=#c0c0ff --composite other.exr --depth both.exr
   cellfan render mesh.vtu -o xray.exr --model absorption --bands bands.csv --output depth";
 
 impl Arguments {

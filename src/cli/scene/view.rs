@@ -40,6 +40,15 @@ impl ViewSource {
         Ok(Self::Camera(camera))
     }
 
+    /// The size of the whole picture in pixels, and the part of it that is drawn.
+    pub(super) fn size_and_region(&self) -> ([u32; 2], Region) {
+        let (size, region) = match self {
+            Self::Camera(camera) => ([camera.width, camera.height], camera.region),
+            Self::Framing { size, region, .. } => (*size, *region),
+        };
+        (size, region.unwrap_or(Region::whole(size)))
+    }
+
     /// The camera, and what to call it.
     ///
     /// # Errors

@@ -1,10 +1,11 @@
 //! A rasteriser of opaque geometry, to colour and depth: triangles, lines, points.
 //!
-//! In: an [`Opaque`], a view. Out: an [`OpaquePicture`]. The same conventions as those of a GPU's (`shaders/geometry.wgsl`): pixels are
+//! In: an [`Opaque`], a view. Out: an [`OpaquePicture`], begun with the external picture where there is one. The same conventions as those of a GPU's (`shaders/geometry.wgsl`): pixels are
 //! sampled at their centres; a triangle's depth is that of its plane; a line covers the centres within half its width, a point those in
 //! its square. Bands of rows in parallel, each through all primitives in their order, so that the picture does not depend on threads.
 //! To add a primitive: a file that draws one into a [`Band`], its line in [`Drawer::draw`], its shaders.
 
+mod looks;
 mod project;
 mod strokes;
 mod triangles;
@@ -16,6 +17,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use self::looks::CornerLooks;
 use self::project::Projector;
 use crate::backends::opaque::{Opaque, OpaquePicture, area_of};
 use crate::geometry::{Layer, Primitive};
@@ -45,11 +47,14 @@ pub(in crate::backends) fn rasterise(opaque: &Opaque, view: &View) -> OpaquePict
         })
         .collect();
     let mut picture =
-        OpaquePicture { area, color: vec![[0.0; 3]; width * height], v: vec![f32::NEG_INFINITY; width * height] };
+        OpaquePicture { area, color: vec![[0.0; 4]; width * height], v: vec![f32::NEG_INFINITY; width * height] };
+    if let Some(external) = opaque.external() {
+        picture.copy(external);
+    }
     let bands = picture.color.par_chunks_mut(width * BAND).zip(picture.v.par_chunks_mut(width * BAND));
     bands.enumerate().for_each(|(band, (color, v))| {
         let _span = tracing::trace_span!("geometry", band).entered();
-        let compared = vec![f32::NEG_INFINITY; v.len()];
+        let compared = v.to_vec();
         let first = area.y0 as usize + band * BAND;
         let mut band = Band { rows: first..first + v.len() / width, columns: columns.clone(), color, v, compared };
         for drawer in &drawers {
@@ -63,7 +68,7 @@ pub(in crate::backends) fn rasterise(opaque: &Opaque, view: &View) -> OpaquePict
 struct Band<'a> {
     rows: Range<usize>,
     columns: Range<usize>,
-    color: &'a mut [[f32; 3]],
+    color: &'a mut [[f32; 4]],
     v: &'a mut [f32],
     /// What depths are compared by: those of surfaces are set back a little.
     compared: Vec<f32>,
@@ -75,7 +80,8 @@ impl Band<'_> {
     fn put(&mut self, [x, y]: [usize; 2], v: f32, compared: f32, color: impl FnOnce() -> [f32; 3]) {
         let pixel = (y - self.rows.start) * self.columns.len() + x - self.columns.start;
         if compared >= self.compared[pixel] {
-            (self.compared[pixel], self.v[pixel], self.color[pixel]) = (compared, v, color());
+            let [r, g, b] = color();
+            (self.compared[pixel], self.v[pixel], self.color[pixel]) = (compared, v, [r, g, b, 1.0]);
         }
     }
 
@@ -123,7 +129,10 @@ impl Drawer<'_> {
                 continue;
             }
             match (self.layer.list.primitive(), self.corners(i)) {
-                (Primitive::Triangles, &[a, b, c]) => triangles::draw(self, [a, b, c], band),
+                (Primitive::Triangles, &[a, b, c]) => {
+                    let looks = CornerLooks::of(&self.layer.list, i);
+                    triangles::draw(self, [a, b, c], looks.as_ref(), band);
+                }
                 (Primitive::Lines, &[a, b]) => strokes::draw_line(self, [a, b], band),
                 (Primitive::Points, &[a]) => strokes::draw_point(self, a, band),
                 _ => {}

@@ -3,6 +3,7 @@
 use arrayvec::ArrayVec;
 use glam::{DVec2, DVec3};
 
+use super::looks::CornerLooks;
 use super::project::{Projected, Projector};
 use super::{Band, Drawer, SETBACK};
 use crate::geometry::{SurfaceFaces, headlight};
@@ -79,8 +80,8 @@ impl Plane {
     }
 }
 
-/// Draws a triangle into the rows of a band.
-pub(super) fn draw(drawer: &Drawer, corners: [[f32; 3]; 3], band: &mut Band) {
+/// Draws a triangle into the rows of a band, in the colours of its corners or of the layer.
+pub(super) fn draw(drawer: &Drawer, corners: [[f32; 3]; 3], looks: Option<&CornerLooks>, band: &mut Band) {
     let projector = drawer.projector;
     let projected = corners.map(|corner| projector.project(corner));
     let polygon = polygon(projector, projected);
@@ -90,12 +91,12 @@ pub(super) fn draw(drawer: &Drawer, corners: [[f32; 3]; 3], band: &mut Band) {
     }
     let at: ArrayVec<DVec2, 4> = polygon.iter().map(|p| DVec2::from_array(p.xy())).collect();
     for i in 2..at.len() {
-        fill([at[0], at[i - 1], at[i]], drawer, &plane, band);
+        fill([at[0], at[i - 1], at[i]], drawer, (&plane, looks), band);
     }
 }
 
 /// Draws the pixels whose centres a triangle of the picture covers; a centre on an edge belongs to the triangle below it or to the right.
-fn fill(p: [DVec2; 3], drawer: &Drawer, plane: &Plane, band: &mut Band) {
+fn fill(p: [DVec2; 3], drawer: &Drawer, (plane, looks): (&Plane, Option<&CornerLooks>), band: &mut Band) {
     let area = (p[1] - p[0]).perp_dot(p[2] - p[0]);
     if area == 0.0 || !area.is_finite() {
         return;
@@ -104,7 +105,7 @@ fn fill(p: [DVec2; 3], drawer: &Drawer, plane: &Plane, band: &mut Band) {
     let low = p[0].min(p[1]).min(p[2]);
     let high = p[0].max(p[1]).max(p[2]);
     let [columns, rows] = band.pixels_in(low.to_array(), high.to_array());
-    let Projector { is_perspective, forward, corner, step_x, step_y, .. } = *drawer.projector;
+    let Projector { is_perspective, eye, forward, corner, step_x, step_y, .. } = *drawer.projector;
     let [v0, v_x, v_y] = plane.v;
     let slope = drawer.setback_px * (v_x.abs() + v_y.abs());
     for y in rows {
@@ -129,8 +130,10 @@ fn fill(p: [DVec2; 3], drawer: &Drawer, plane: &Plane, band: &mut Band) {
             band.put([x, y], v as f32, setback as f32, || {
                 let aside = corner + step_x * at.x + step_y * at.y;
                 let ray = if is_perspective { (forward + aside).normalize_or_zero() } else { forward };
-                let light = headlight(plane.normal.dot(ray) as f32);
-                drawer.layer.color.map(|channel| channel * light)
+                let point = if is_perspective { eye + (forward + aside) / v } else { eye + aside - forward * v };
+                let (color, normal) = looks.map_or((None, None), |looks| looks.at(point, plane.normal));
+                let light = headlight(normal.unwrap_or(plane.normal).dot(ray) as f32);
+                color.unwrap_or(drawer.layer.color).map(|channel| channel * light)
             });
         }
     }
