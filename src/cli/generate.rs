@@ -1,9 +1,15 @@
-//! `generate`: an analytic mesh as a container or a .vtu file.
+//! `generate`: an analytic mesh or a phenomenon as a container or a .vtu file.
 
+use std::fmt;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use cellfan::Error;
-use cellfan::generate::{Kind, MAX_JITTER, Orbital, Scheme, Settings, generate, source};
+use cellfan::columns::CellSource;
+use cellfan::generate::{
+    CellShape, Kind, MAX_JITTER, Orbital, Phenomenon, PhenomenonSettings, Scheme, Settings, generate, phenomenon,
+    source,
+};
 use cellfan::io::container::WriteOptions;
 use cellfan::io::{Compression, UnstructuredMesh, check_target, write_vtu};
 use clap::Args;
@@ -18,8 +24,8 @@ use super::progress::Progress;
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
     /// What to generate.
-    #[arg(value_parser = named::<Kind>(Kind::ALL.map(|kind| (kind.name(), kind.description()))))]
-    kind: Kind,
+    #[arg(value_parser = named::<What>(What::all()))]
+    kind: What,
     /// The file to write: a container (.cells), streamed and of any size, or .vtu.
     #[arg(short = 'o', long = "out", value_name = "OUT")]
     output: PathBuf,
@@ -35,6 +41,12 @@ pub(super) struct Arguments {
     /// Tetrahedra a box of the grid.
     #[arg(long, default_value = "6", value_parser = one_of([("5", Scheme::Five), ("6", Scheme::Six)]))]
     scheme: Scheme,
+    /// What a phenomenon's cells are.
+    #[arg(long, default_value = "hexahedra", value_parser = one_of(SHAPES))]
+    shape: CellShape,
+    /// When, in seconds: phenomena move.
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = finite, allow_hyphen_values = true)]
+    time: f64,
     /// Quantum numbers of the orbital.
     #[arg(long, value_name = "N,L,M", value_parser = orbital, default_value = "4,2,0")]
     orbital: Orbital,
@@ -46,12 +58,49 @@ pub(super) struct Arguments {
     raw: bool,
 }
 
+const SHAPES: [(&str, CellShape); 3] =
+    [("tetrahedra", CellShape::Tetrahedra), ("prisms", CellShape::Prisms), ("hexahedra", CellShape::Hexahedra)];
+
+/// What can be generated: an analytic field on a mesh of tetrahedra, or a phenomenon.
+#[derive(Clone, Copy, Debug)]
+enum What {
+    Mesh(Kind),
+    Phenomenon(Phenomenon),
+}
+
+impl What {
+    fn all() -> [(&'static str, &'static str); Kind::ALL.len() + Phenomenon::ALL.len()] {
+        std::array::from_fn(|i| match i.checked_sub(Kind::ALL.len()) {
+            None => (Kind::ALL[i].name(), Kind::ALL[i].description()),
+            Some(i) => (Phenomenon::ALL[i].name(), Phenomenon::ALL[i].description()),
+        })
+    }
+}
+
+impl fmt::Display for What {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Mesh(kind) => kind.fmt(f),
+            Self::Phenomenon(phenomenon) => phenomenon.fmt(f),
+        }
+    }
+}
+
+impl FromStr for What {
+    type Err = Error;
+
+    fn from_str(text: &str) -> cellfan::Result<Self> {
+        text.parse().map(Self::Phenomenon).or_else(|_| text.parse().map(Self::Mesh))
+    }
+}
+
 const EXAMPLES: &str = "\
 Examples:
   cellfan generate tets --cells 1000000 -o tets.vtu
   cellfan generate orbital --orbital 3,2,1 --cells 500000 -o orbital.vtu
   cellfan generate tets --cells 100000000 -o huge.cells
-  cellfan generate delaunay --cells 200000 --seed 7 --no-fill --raw -o delaunay.vtu";
+  cellfan generate delaunay --cells 200000 --seed 7 --no-fill --raw -o delaunay.vtu
+  cellfan generate camp-fire --shape prisms --time 2.5 -o fire.vtu";
 
 pub(super) fn run(arguments: &Arguments) -> Outcome {
     let path = &arguments.output;
@@ -74,16 +123,22 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         orbital: arguments.orbital,
     };
     if is_container {
-        let source = {
+        let source: Box<dyn CellSource> = {
             let _progress = Progress::running(format!("generating {}", arguments.kind));
-            source(arguments.kind, &settings)?
+            match arguments.kind {
+                What::Mesh(kind) => source(kind, &settings)?,
+                What::Phenomenon(kind) => Box::new(phenomenon(kind, &arguments.phenomenon())?),
+            }
         };
         convert::write(source.as_ref(), path, &WriteOptions::default())?;
         return Ok(());
     }
     let mesh = {
         let _progress = Progress::running(format!("generating {}", arguments.kind));
-        UnstructuredMesh::from_tets(&generate(arguments.kind, &settings)?)
+        match arguments.kind {
+            What::Mesh(kind) => UnstructuredMesh::from_tets(&generate(kind, &settings)?),
+            What::Phenomenon(kind) => UnstructuredMesh::from_cells(&phenomenon(kind, &arguments.phenomenon())?),
+        }
     };
     let compression = if arguments.raw { Compression::None } else { Compression::Zlib };
     {
@@ -93,6 +148,12 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
     let (cells, points) = (count(mesh.cells() as u64, "cell"), count(mesh.points.len() as u64, "point"));
     tracing::info!("wrote {}: {cells}, {points}", path.display());
     Ok(())
+}
+
+impl Arguments {
+    fn phenomenon(&self) -> PhenomenonSettings {
+        PhenomenonSettings { cells: self.cells, shape: self.shape, seed: self.seed, time_s: self.time }
+    }
 }
 
 /// `N,L,M`.
