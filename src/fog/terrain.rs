@@ -2,9 +2,12 @@
 
 use glam::{DVec2, DVec3};
 
+use rayon::prelude::*;
+
 use super::detail::Importance;
 use super::{Detail, HeightMap, Landscape, Profile};
 use crate::error::{Error, Result};
+use crate::generate::noise::smoothstep;
 
 /// Ground and the fog on it, over the square from (0, 0) to (`side_world`, `side_world`); +z is up.
 ///
@@ -29,8 +32,13 @@ pub struct Terrain {
     /// How thick the fog is on it.
     fog: Vec<f32>,
     thickest: f32,
+    /// Linear RGB of the ground in the light of the sun.
+    colors: Vec<[f32; 3]>,
     importance: Importance,
 }
+
+/// What is known at a point: ground, thickness of the fog, colour of the ground.
+pub(super) type Values = [f64; 5];
 
 impl Terrain {
     /// Maps of heights from 0 to 1, which are `scales_world` high: of the ground, of the fog on it. The fog's map takes the ground's
@@ -61,7 +69,8 @@ impl Terrain {
         let position =
             |i: usize| DVec3::new((i % side) as f64 * spacing, (i / side) as f64 * spacing, f64::from(ground[i]));
         let importance = Importance::new(side, position, &[&ground, &top]);
-        Ok(Self { side, side_world, ground, fog, thickest, importance })
+        let colors = colors(side, spacing, scales_world[0], &ground);
+        Ok(Self { side, side_world, ground, fog, thickest, colors, importance })
     }
 
     /// Points a side.
@@ -79,18 +88,19 @@ impl Terrain {
         self.thickest
     }
 
-    /// Ground and thickness of the fog at point (x, y) of the grid.
+    /// What is known at point (x, y) of the grid.
     #[inline]
-    pub(super) fn heights(&self, [x, y]: [usize; 2]) -> [f64; 2] {
+    pub(super) fn values(&self, [x, y]: [usize; 2]) -> Values {
         let i = x + self.side * y;
-        [self.ground[i].into(), self.fog[i].into()]
+        let [r, g, b] = self.colors[i].map(f64::from);
+        [self.ground[i].into(), self.fog[i].into(), r, g, b]
     }
 
     /// Where point (x, y) of the grid is, on the ground.
     #[inline]
     pub(super) fn position(&self, at: [usize; 2]) -> DVec3 {
         let spacing = self.side_world / (self.side - 1) as f64;
-        DVec3::new(at[0] as f64 * spacing, at[1] as f64 * spacing, self.heights(at)[0])
+        DVec3::new(at[0] as f64 * spacing, at[1] as f64 * spacing, self.values(at)[0])
     }
 
     pub(super) fn importance(&self) -> &Importance {
@@ -104,7 +114,7 @@ impl Terrain {
         let [i, j] = [(scaled.x as usize).min(cells - 1), (scaled.y as usize).min(cells - 1)];
         let [tx, ty] = [scaled.x - i as f64, scaled.y - j as f64];
         std::array::from_fn(|k| {
-            let of = |i, j| self.heights([i, j])[k];
+            let of = |i, j| self.values([i, j])[k];
             (of(i, j) * (1.0 - tx) + of(i + 1, j) * tx) * (1.0 - ty)
                 + (of(i, j + 1) * (1.0 - tx) + of(i + 1, j + 1) * tx) * ty
         })
@@ -114,4 +124,31 @@ impl Terrain {
     pub fn landscape(&self, detail: &Detail, profile: Profile) -> Landscape {
         Landscape::new(self, detail, profile)
     }
+}
+
+/// Where the sun stands.
+const SUN: DVec3 = DVec3::new(-0.5, 0.35, 0.6);
+
+/// What meadows, rock and snow reflect, linear RGB.
+const ALBEDOS: [[f64; 3]; 3] = [[0.10, 0.16, 0.05], [0.22, 0.19, 0.16], [0.75, 0.78, 0.82]];
+
+/// Ground in the sun: meadows below, rock where it is steep, snow above.
+fn colors(side: usize, spacing: f64, relief: f64, ground: &[f32]) -> Vec<[f32; 3]> {
+    let sun = SUN.normalize();
+    let height = |x: usize, y: usize| f64::from(ground[x + side * y]);
+    let slope = |from: f64, to: f64, steps: usize| (to - from) / (spacing * steps as f64);
+    let color = |i: usize| {
+        let [x, y] = [i % side, i / side];
+        let ends = |c: usize| [c.saturating_sub(1), (c + 1).min(side - 1)];
+        let ([west, east], [south, north]) = (ends(x), ends(y));
+        let along_x = slope(height(west, y), height(east, y), east - west);
+        let along_y = slope(height(x, south), height(x, north), north - south);
+        let normal = DVec3::new(-along_x, -along_y, 1.0).normalize();
+        let rock = 1.0 - smoothstep(0.75, 0.92, normal.z);
+        let snow = smoothstep(0.55, 0.7, f64::from(ground[i]) / relief) * (1.0 - 0.6 * rock);
+        let [meadow, stone, white] = ALBEDOS.map(DVec3::from);
+        let albedo = meadow.lerp(stone, rock).lerp(white, snow);
+        (albedo * (0.3 + 1.1 * normal.dot(sun).max(0.0))).as_vec3().to_array()
+    };
+    (0..side * side).into_par_iter().map(color).collect()
 }
