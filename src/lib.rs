@@ -18,6 +18,7 @@
 //! | [`optics`] | transfer functions, ray integrals, one file per optical model |
 //! | [`camera`] | [`Camera`]: the ray through each pixel |
 //! | [`stages`] | cull, classify, sort, fans, footprints, in that order |
+//! | [`fog`] | ground fog: prisms on a terrain at a level of detail that follows the eye |
 //! | [`geometry`] | boundary surface, edges and points as opaque primitives in the volume |
 //! | [`backends`] | compositors: cells in order to pixels, on the CPU or (feature `gpu`) a GPU |
 //! | [`render`](mod@render) | [`Renderer`]: runs the stages and feeds a backend |
@@ -46,6 +47,7 @@ pub mod camera;
 pub mod cells;
 pub mod columns;
 pub mod error;
+pub mod fog;
 pub mod generate;
 pub mod geometry;
 pub mod image;

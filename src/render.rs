@@ -4,6 +4,7 @@
 
 mod band_arrays;
 mod bands;
+mod fog;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod opaque;
@@ -11,6 +12,7 @@ mod order;
 mod profiled;
 mod scene;
 
+pub use fog::{FogLook, FogRenderer};
 pub use profiled::profile_views;
 pub use scene::Scene;
 

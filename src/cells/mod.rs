@@ -21,7 +21,7 @@ pub use hexahedron::HEXAHEDRON;
 pub use pyramid::PYRAMID;
 pub use split::split;
 pub use tetrahedron::{OPPOSITE_FACES, OUTWARD_IF_POSITIVE, TETRAHEDRON};
-pub use triangles::{face_triangles, hexahedron_of};
+pub use triangles::{face_triangles, hexahedron_of, kind_of_hexahedron};
 pub use voxel::VOXEL;
 pub use wedge::WEDGE;
 

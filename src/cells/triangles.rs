@@ -18,17 +18,32 @@ pub const fn face_triangles(face: usize, diagonal: usize) -> [[u8; 3]; 2] {
     [[p, q, corners[(k + 1) % 4]], [q, p, corners[(i + 1) % 4]]]
 }
 
+/// The cell that a hexahedron is which repeats corners as [`hexahedron_of`] makes it: wedge, pyramid, else hexahedron.
+///
+/// ```
+/// # use cellfan::cells::{WEDGE, kind_of_hexahedron};
+/// assert_eq!(kind_of_hexahedron(&[7, 8, 9, 9, 4, 5, 6, 6]), &WEDGE);
+/// ```
+pub fn kind_of_hexahedron(corners: &[u32; 8]) -> &'static CellKind {
+    let repeats = |kind: &CellKind| {
+        let places = hexahedron_of(kind).unwrap_or_default();
+        (0..8).all(|i| (0..i).all(|j| (corners[i] == corners[j]) == (places[i] == places[j])))
+    };
+    [&WEDGE, &PYRAMID].into_iter().find(|kind| repeats(kind)).map_or(&HEXAHEDRON, |kind| kind)
+}
+
 /// The corners of the hexahedron that a cell of `kind` is, as numbers of its own corners.
 ///
 /// ```
 /// # use cellfan::cells::{WEDGE, hexahedron_of};
-/// assert_eq!(hexahedron_of(&WEDGE), Some([0, 1, 2, 2, 3, 4, 5, 5]));
+/// // Counterclockwise from below is clockwise from above.
+/// assert_eq!(hexahedron_of(&WEDGE), Some([0, 2, 1, 1, 3, 5, 4, 4]));
 /// ```
 pub fn hexahedron_of(kind: &CellKind) -> Option<[usize; 8]> {
     [
         (&HEXAHEDRON, [0, 1, 2, 3, 4, 5, 6, 7]),
         (&VOXEL, [0, 1, 3, 2, 4, 5, 7, 6]),
-        (&WEDGE, [0, 1, 2, 2, 3, 4, 5, 5]),
+        (&WEDGE, [0, 2, 1, 1, 3, 5, 4, 4]),
         (&PYRAMID, [0, 1, 2, 3, 4, 4, 4, 4]),
     ]
     .into_iter()

@@ -1,12 +1,15 @@
-//! `generate`: an analytic mesh as a container or a .vtu file, or a volume as NRRD.
+//! `generate`: an analytic mesh or a phenomenon as a container or a .vtu file, or a volume as NRRD.
 
 mod volume;
+mod what;
 
 use std::path::PathBuf;
-use std::str::FromStr;
 
 use cellfan::Error;
-use cellfan::generate::{Kind, MAX_JITTER, Orbital, Scheme, Settings, generate, source};
+use cellfan::columns::CellSource;
+use cellfan::generate::{
+    CellShape, MAX_JITTER, Orbital, PhenomenonSettings, Scheme, Settings, generate, phenomenon, source,
+};
 use cellfan::io::container::WriteOptions;
 use cellfan::io::{Compression, UnstructuredMesh, check_target, write_vtu};
 use clap::Args;
@@ -17,12 +20,13 @@ use super::convert::{self, is_container_name};
 use super::numbers::count;
 use super::progress::Progress;
 use volume::VolumeArguments;
+use what::What;
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
     /// What to generate.
-    #[arg(value_parser = named::<What>(What::names()))]
+    #[arg(value_parser = named::<What>(What::all().map(|what| (what.name(), what.description()))))]
     kind: What,
     /// The file to write: a container (.cells), streamed and of any size, or .vtu; a volume as .nrrd.
     #[arg(short = 'o', long = "out", value_name = "OUT")]
@@ -39,6 +43,12 @@ pub(super) struct Arguments {
     /// Tetrahedra a box of the grid.
     #[arg(long, default_value = "6", value_parser = one_of([("5", Scheme::Five), ("6", Scheme::Six)]))]
     scheme: Scheme,
+    /// What a phenomenon's cells are.
+    #[arg(long, default_value = "hexahedra", value_parser = one_of(SHAPES))]
+    shape: CellShape,
+    /// When, in seconds: phenomena move.
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = finite, allow_hyphen_values = true)]
+    time: f64,
     /// Quantum numbers of the orbital.
     #[arg(long, value_name = "N,L,M", value_parser = orbital, default_value = "4,2,0")]
     orbital: Orbital,
@@ -52,28 +62,8 @@ pub(super) struct Arguments {
     volume: VolumeArguments,
 }
 
-/// What to generate.
-#[derive(Clone, Copy)]
-enum What {
-    Mesh(Kind),
-    Volume,
-}
-
-impl What {
-    const VOLUME: (&str, &str) = ("volume", "regular grid of samples of a signal, as .nrrd");
-
-    fn names() -> impl Iterator<Item = (&'static str, &'static str)> {
-        Kind::ALL.into_iter().map(|kind| (kind.name(), kind.description())).chain([Self::VOLUME])
-    }
-}
-
-impl FromStr for What {
-    type Err = Error;
-
-    fn from_str(text: &str) -> cellfan::Result<Self> {
-        if text == Self::VOLUME.0 { Ok(Self::Volume) } else { text.parse().map(Self::Mesh) }
-    }
-}
+const SHAPES: [(&str, CellShape); 3] =
+    [("tetrahedra", CellShape::Tetrahedra), ("prisms", CellShape::Prisms), ("hexahedra", CellShape::Hexahedra)];
 
 const EXAMPLES: &str = "\
 Examples:
@@ -81,10 +71,14 @@ Examples:
   cellfan generate orbital --orbital 3,2,1 --cells 500000 -o orbital.vtu
   cellfan generate tets --cells 100000000 -o huge.cells
   cellfan generate delaunay --cells 200000 --seed 7 --no-fill --raw -o delaunay.vtu
+  cellfan generate camp-fire --shape prisms --time 2.5 -o fire.vtu
   cellfan generate volume --dims 256x256x110 --raw -o rings.nrrd";
 
 pub(super) fn run(arguments: &Arguments) -> Outcome {
-    let What::Mesh(kind) = arguments.kind else { return volume::run(arguments) };
+    let what = arguments.kind;
+    if let What::Volume = what {
+        return volume::run(arguments);
+    }
     let path = &arguments.output;
     let is_container = is_container_name(path);
     if !is_container && !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("vtu")) {
@@ -105,16 +99,24 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         orbital: arguments.orbital,
     };
     if is_container {
-        let source = {
-            let _progress = Progress::running(format!("generating {kind}"));
-            source(kind, &settings)?
+        let source: Box<dyn CellSource> = {
+            let _progress = Progress::running(format!("generating {what}"));
+            match what {
+                What::Mesh(kind) => source(kind, &settings)?,
+                What::Phenomenon(kind) => Box::new(phenomenon(kind, &arguments.phenomenon())?),
+                What::Volume => return volume::run(arguments),
+            }
         };
         convert::write(source.as_ref(), path, &WriteOptions::default())?;
         return Ok(());
     }
     let mesh = {
-        let _progress = Progress::running(format!("generating {kind}"));
-        UnstructuredMesh::from_tets(&generate(kind, &settings)?)
+        let _progress = Progress::running(format!("generating {what}"));
+        match what {
+            What::Mesh(kind) => UnstructuredMesh::from_tets(&generate(kind, &settings)?),
+            What::Phenomenon(kind) => UnstructuredMesh::from_cells(&phenomenon(kind, &arguments.phenomenon())?),
+            What::Volume => return volume::run(arguments),
+        }
     };
     let compression = if arguments.raw { Compression::None } else { Compression::Zlib };
     {
@@ -124,6 +126,12 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
     let (cells, points) = (count(mesh.cells() as u64, "cell"), count(mesh.points.len() as u64, "point"));
     tracing::info!("wrote {}: {cells}, {points}", path.display());
     Ok(())
+}
+
+impl Arguments {
+    fn phenomenon(&self) -> PhenomenonSettings {
+        PhenomenonSettings { cells: self.cells, shape: self.shape, seed: self.seed, time_s: self.time }
+    }
 }
 
 /// `N,L,M`.

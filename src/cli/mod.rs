@@ -10,6 +10,7 @@ mod completions;
 mod convert;
 mod drivers;
 mod failure;
+mod fog;
 mod generate;
 mod info;
 mod meshes;
@@ -52,6 +53,8 @@ enum Command {
     Convert(convert::Arguments),
     /// Write a mesh with an analytic field.
     Generate(generate::Arguments),
+    /// Draw ground fog over a terrain, or fly through it.
+    Fog(Box<fog::Arguments>),
     /// Measure sorting, frames and each stage, beside the papers' figures.
     Bench(bench::Arguments),
     /// Write a completion script for a shell to stdout.
@@ -102,6 +105,7 @@ pub(crate) fn run(arguments: impl Iterator<Item = OsString>) -> Outcome {
         Command::Info(arguments) => info::run(arguments),
         Command::Convert(arguments) => convert::run(arguments),
         Command::Generate(arguments) => generate::run(arguments),
+        Command::Fog(arguments) => fog::run(arguments),
         Command::Bench(arguments) => bench::run(arguments),
         Command::Completions(arguments) => completions::run(arguments),
     })

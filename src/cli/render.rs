@@ -15,7 +15,7 @@ use cellfan::profile::{GeometryStats, Profile, Stats, peak_rss_bytes};
 use cellfan::{Error, Image, Model, RenderOptions, Rendered, io};
 
 pub(super) use arguments::Arguments;
-use pictures::Pictures;
+pub(super) use pictures::Pictures;
 
 use super::progress::Progress;
 use super::scene::{Request, Setup};

@@ -2,7 +2,8 @@
 
 use super::scratch::Scratch;
 use super::{concat, numbers};
-use crate::columns::{Array, Association, Column, Points, TetMesh};
+use crate::cells::{TETRAHEDRON, hexahedron_of, kind_of_hexahedron};
+use crate::columns::{Array, Association, CellMesh, Column, Points, TetMesh};
 use crate::error::{Error, Result};
 
 /// An unstructured grid in file order; nothing in it has been checked against anything else.
@@ -71,6 +72,47 @@ impl UnstructuredMesh {
             types: vec![10; tets.len()].into(),
             offsets: (0..=tets.len() as u64).map(|tet| 4 * tet).collect(),
             connectivity: tets.as_flattened().to_vec().into(),
+            arrays: arrays.iter().map(array).collect(),
+        }
+    }
+
+    /// Cells as a mesh that can be written, tetrahedra first; hexahedra that repeat corners as the wedges and pyramids that they are.
+    /// Cell arrays are repeated where a file's cell was split.
+    ///
+    /// ```
+    /// # use cellfan::generate::{CellShape, Phenomenon, PhenomenonSettings, phenomenon};
+    /// # use cellfan::io::UnstructuredMesh;
+    /// let prisms = PhenomenonSettings { shape: CellShape::Prisms, ..Default::default() };
+    /// let mesh = UnstructuredMesh::from_cells(&phenomenon(Phenomenon::CampFire, &prisms)?);
+    /// assert!(mesh.types.iter().all(|&code| code == 13) && mesh.cell(0).unwrap().len() == 6);
+    /// # Ok::<(), cellfan::Error>(())
+    /// ```
+    pub fn from_cells(mesh: &CellMesh) -> Self {
+        let CellMesh { points, tets, file_from_tet, hexahedra, file_from_hexahedron, arrays, .. } = mesh;
+        let mut types = vec![TETRAHEDRON.code; tets.len()];
+        let mut offsets: Vec<u64> = (0..=tets.len() as u64).map(|tet| 4 * tet).collect();
+        let mut connectivity = tets.as_flattened().to_vec();
+        for corners in &hexahedra[..] {
+            let kind = kind_of_hexahedron(corners);
+            types.push(kind.code);
+            let places = hexahedron_of(kind).unwrap_or([0, 1, 2, 3, 4, 5, 6, 7]);
+            let corner = |i| places.iter().position(|&place| place == i).map(|at| corners[at]);
+            connectivity.extend((0..kind.corners).filter_map(corner));
+            offsets.push(connectivity.len() as u64);
+        }
+        let tuples: Vec<u32> = file_from_tet.iter().chain(&file_from_hexahedron[..]).copied().collect();
+        let array = |array: &Array| match array.association {
+            Association::Point => array.clone(),
+            Association::Cell => {
+                let values = numbers::gather(&array.values, array.components, &tuples);
+                Array { values, ..array.clone() }
+            }
+        };
+        Self {
+            points: points.clone(),
+            types: types.into(),
+            offsets: offsets.into(),
+            connectivity: connectivity.into(),
             arrays: arrays.iter().map(array).collect(),
         }
     }

@@ -11,6 +11,7 @@ mod check;
 mod common;
 mod determinism;
 mod external;
+mod fog;
 mod geometry;
 mod golden;
 #[cfg(feature = "gpu")]

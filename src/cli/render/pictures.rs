@@ -6,7 +6,7 @@ use cellfan::image::{Encoding, Format, FrameWriter, Picture, check_output, frame
 use cellfan::{Rendered, Result};
 
 /// One picture under its own name, or numbered ones.
-pub(super) enum Pictures {
+pub(in crate::cli) enum Pictures {
     /// Without `--frames`.
     One(PathBuf, Encoding),
     /// With `--frames`, even if it is one.
@@ -18,7 +18,7 @@ impl Pictures {
     ///
     /// # Errors
     /// As [`check_output`].
-    pub(super) fn create(path: PathBuf, encoding: Encoding, frames: Option<u32>) -> Result<Self> {
+    pub(in crate::cli) fn create(path: PathBuf, encoding: Encoding, frames: Option<u32>) -> Result<Self> {
         if check_output(&path, &encoding)? != Format::Png && encoding.background.is_some() {
             tracing::warn!("{} keeps the linear values: --background is ignored", path.display());
         }
@@ -31,7 +31,7 @@ impl Pictures {
     }
 
     /// Writes the next picture: all its bands if it has bands of their own, of which a PNG shows the first three.
-    pub(super) fn push(&mut self, rendered: &Rendered) -> Result<()> {
+    pub(in crate::cli) fn push(&mut self, rendered: &Rendered) -> Result<()> {
         match &rendered.bands {
             Some(bands) if Format::from_path(self.path())? != Format::Png => self.push_picture(bands),
             _ => self.push_picture(&rendered.image),
@@ -52,7 +52,7 @@ impl Pictures {
     }
 
     /// Ends the sequence; what was written, in words.
-    pub(super) fn finish(self) -> Result<String> {
+    pub(in crate::cli) fn finish(self) -> Result<String> {
         match self {
             Self::One(path, _) => Ok(path.display().to_string()),
             Self::Several { path, frames, writer } => {
