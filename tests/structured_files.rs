@@ -351,10 +351,10 @@ fn cells_are_split_turned_and_counted() {
 }
 
 /// File, points along i, j and k, spacing, then the arrays with their sums.
-type ExpectedVolume = (&'static str, [usize; 3], [f64; 3], [f64; 3], &'static [(&'static str, usize, &'static str, f64)]);
+type ExpectedVolume =
+    (&'static str, [usize; 3], [f64; 3], [f64; 3], &'static [(&'static str, usize, &'static str, f64)]);
 
-const VOLUMES: &[ExpectedVolume] = &[
-];
+const VOLUMES: &[ExpectedVolume] = &[];
 
 #[test]
 fn volumes_are_those_of_vtk() {
@@ -366,7 +366,11 @@ fn volumes_are_those_of_vtk() {
         assert_eq!((volume.dims, volume.lattice), (dims, Lattice::new(origin.into(), spacing.into())), "{file}");
         assert_eq!(volume.arrays.len(), arrays.len(), "{file}");
         for (array, &(name, components, kind, expected)) in volume.arrays.iter().zip(arrays) {
-            assert_eq!((&array.name[..], array.components, array.values.type_name()), (name, components, kind), "{file}");
+            assert_eq!(
+                (&array.name[..], array.components, array.values.type_name()),
+                (name, components, kind),
+                "{file}"
+            );
             let found = sum(values(array));
             assert!(close(found, expected), "{file}: {name}: {found}, not {expected}");
         }

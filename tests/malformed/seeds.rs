@@ -1,8 +1,8 @@
 //! Small good files of every format, in every encoding; real ones besides, where `CELLFAN_DATA` names them.
 
 mod grids;
-mod volumes;
 mod opaque;
+mod volumes;
 mod vtu;
 
 use std::path::{Path, PathBuf};
@@ -11,8 +11,8 @@ use std::sync::OnceLock;
 use crate::common::data_folder;
 
 pub(crate) use grids::{PLOT3D_WORDS, plot3d, plot3d_solution, vtr, vts};
-pub(crate) use volumes::{NRRD_WORDS, RAW_WORDS, nrrd, nrrd_path, raw, vti};
 pub(crate) use opaque::{OBJ_WORDS, PLY_WORDS, STL_WORDS, depth_images, obj, ply, stl};
+pub(crate) use volumes::{NRRD_WORDS, RAW_WORDS, nrrd, nrrd_path, raw, vti};
 pub(crate) use vtu::{Style, write_zeros};
 
 /// Files in memory.

@@ -20,7 +20,11 @@ pub(super) enum What {
 impl What {
     /// All, in the order in which help lists them.
     pub(super) fn all() -> impl Iterator<Item = Self> {
-        Kind::ALL.into_iter().map(Self::Mesh).chain(Phenomenon::ALL.into_iter().map(Self::Phenomenon)).chain([Self::Volume])
+        Kind::ALL
+            .into_iter()
+            .map(Self::Mesh)
+            .chain(Phenomenon::ALL.into_iter().map(Self::Phenomenon))
+            .chain([Self::Volume])
     }
 
     /// Its name on the command line.
@@ -54,7 +58,10 @@ impl FromStr for What {
     fn from_str(text: &str) -> cellfan::Result<Self> {
         Self::all().find(|what| what.name() == text).ok_or_else(|| Error::Option {
             option: "KIND",
-            problem: format!("there is no {text:?}; choose one of: {}", Self::all().map(Self::name).collect::<Vec<_>>().join(", ")),
+            problem: format!(
+                "there is no {text:?}; choose one of: {}",
+                Self::all().map(Self::name).collect::<Vec<_>>().join(", ")
+            ),
         })
     }
 }
