@@ -350,13 +350,6 @@ fn cells_are_split_turned_and_counted() {
     assert!(flat.contains("6 cells without volume"), "{flat}");
 }
 
-<<<<<<< HEAD
-/// File, points along i, j and k, spacing, then the arrays with their sums.
-type ExpectedVolume =
-    (&'static str, [usize; 3], [f64; 3], [f64; 3], &'static [(&'static str, usize, &'static str, f64)]);
-
-const VOLUMES: &[ExpectedVolume] = &[];
-=======
 /// File, points along i, j and k, spacing, origin, then the arrays with their sums (of VTK, those of NRRD of pynrrd).
 type ExpectedVolume =
     (&'static str, [usize; 3], [f64; 3], [f64; 3], &'static [(&'static str, usize, &'static str, f64)]);
@@ -386,7 +379,6 @@ const VOLUMES: &[ExpectedVolume] = &[
     ("regular/Teddybear.nhdr", [128, 128, 62], [2.8, 2.8, 5.0], [0.0; 3], &[("value", 1, "u8", 2_682_110_137.0)]),
     ("regular/LIDC2.nhdr", [256, 256, 133], [1.40625, 1.40625, 2.5], [0.0; 3], &[("value", 1, "u8", 3_014_151_166.0)]),
 ];
->>>>>>> volumes
 
 #[test]
 fn volumes_are_those_of_vtk() {
