@@ -31,6 +31,8 @@ mod region;
 mod render;
 #[path = "cli/several.rs"]
 mod several;
+#[path = "cli/volumes.rs"]
+mod volumes;
 
 use std::ffi::OsStr;
 use std::io::Read;

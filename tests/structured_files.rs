@@ -350,11 +350,35 @@ fn cells_are_split_turned_and_counted() {
     assert!(flat.contains("6 cells without volume"), "{flat}");
 }
 
-/// File, points along i, j and k, spacing, then the arrays with their sums.
+/// File, points along i, j and k, spacing, origin, then the arrays with their sums (of VTK, those of NRRD of pynrrd).
 type ExpectedVolume =
     (&'static str, [usize; 3], [f64; 3], [f64; 3], &'static [(&'static str, usize, &'static str, f64)]);
 
-const VOLUMES: &[ExpectedVolume] = &[];
+const VOLUMES: &[ExpectedVolume] = &[
+    ("regular/hydrogen.vti", [64; 3], [1.0; 3], [0.0; 3], &[("probability_density", 1, "f32", 237_942.676_731_938_47)]),
+    ("regular/heart.vti", [32, 32, 12], [1.0, 1.0, 4.0], [0.0; 3], &[("scalars", 1, "f32", 40_841_433.0)]),
+    ("formats/volume_complex.vti", [3, 4, 6], [1.0; 3], [0.0; 3], &[("volume_scalars", 1, "i8", 32_850.0)]),
+    ("formats/volume_complex.vtk", [3, 4, 6], [1.0; 3], [0.0; 3], &[("volume_scalars", 1, "i8", 32_850.0)]),
+    (
+        "regular/head.120.vtk",
+        [120, 120, 130],
+        [2.26448, 2.26448, 2.27132],
+        [0.0; 3],
+        &[("nrrd94920", 1, "u8", 2_581_476_238.0)],
+    ),
+    ("regular/ironProt.vtk", [68; 3], [1.0; 3], [0.0; 3], &[("scalars", 1, "u8", 201_985_734.0)]),
+    (
+        "regular/carotid.vtk",
+        [76, 49, 45],
+        [1.0; 3],
+        [100.0, 80.0, 1.0],
+        &[("scalars", 1, "f32", 813_261_780.0), ("vectors", 3, "f32", 185_544.586_948_665_67)],
+    ),
+    ("classic/engine.nhdr", [149, 208, 110], [1.0; 3], [0.0; 3], &[("value", 1, "u8", 8_979_887_688.0)]),
+    ("classic/Bucky.nhdr", [32; 3], [1.0; 3], [0.0; 3], &[("value", 1, "u8", 57_324_468.0)]),
+    ("regular/Teddybear.nhdr", [128, 128, 62], [2.8, 2.8, 5.0], [0.0; 3], &[("value", 1, "u8", 2_682_110_137.0)]),
+    ("regular/LIDC2.nhdr", [256, 256, 133], [1.40625, 1.40625, 2.5], [0.0; 3], &[("value", 1, "u8", 3_014_151_166.0)]),
+];
 
 #[test]
 fn volumes_are_those_of_vtk() {

@@ -126,7 +126,7 @@ pub const READ: &[Format] = &[
 ];
 
 const TO_VTU: &str = "convert it to .vtu, for example with ParaView or meshio";
-const GRID_TO_VTU: &str = "convert it to an unstructured grid (.vtu), for example with ParaView's \"Append Datasets\"";
+const VOLUME: &str = "convert it to NRRD or a VTK image (.vti), for example with 3D Slicer or ParaView";
 
 const fn refused(name: &'static str, extensions: &'static [&'static str], advice: &'static str) -> Refused {
     Refused { name, extensions, magic: b"", advice }
@@ -141,9 +141,9 @@ pub const REFUSED: &[Refused] = &[
     refused("CGNS", &["cgns"], TO_VTU),
     refused("VTKHDF", &["vtkhdf"], TO_VTU),
     Refused { magic: b"\x89HDF", ..refused("HDF5", &["h5", "hdf", "hdf5"], TO_VTU) },
-    refused("NIfTI", &["nii"], GRID_TO_VTU),
-    refused("a VolVis volume (SLC)", &["slc"], GRID_TO_VTU),
-    refused("a MetaImage volume", &["mhd", "mha"], GRID_TO_VTU),
+    refused("NIfTI", &["nii"], VOLUME),
+    refused("a VolVis volume (SLC)", &["slc"], VOLUME),
+    refused("a MetaImage volume", &["mhd", "mha"], VOLUME),
     refused(
         "a raw volume without its sizes",
         &["raw"],

@@ -112,7 +112,7 @@ fn join(mut pieces: Vec<Piece>, source: Source<'_>) -> Result<Volume> {
     let Some(&Piece { extent, lattice, .. }) = pieces.first() else {
         return Err(source.malformed(PLACE, "hold no point"));
     };
-    if pieces.iter().any(|piece| piece.lattice != lattice) {
+    if pieces[1..].iter().any(|piece| piece.lattice != lattice) {
         return Err(source.malformed("its pieces", "have different origins, spacings or directions: damaged"));
     }
     let extent = pieces.iter().fold(extent, |all, piece| all.union(piece.extent));
