@@ -275,6 +275,10 @@ pub enum Error {
         advice: &'static str,
     },
 
+    /// Whoever asked for the picture wants it no more: see [`CancelToken`](crate::CancelToken).
+    #[error("cancelled")]
+    Cancelled,
+
     /// No device can run what was asked for.
     #[error("no usable device: {problem}")]
     NoDevice {

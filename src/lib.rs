@@ -22,6 +22,8 @@
 //! | [`geometry`] | boundary surface, edges and points as opaque primitives in the volume |
 //! | [`backends`] | compositors: cells in order to pixels, on the CPU or (feature `gpu`) a GPU |
 //! | [`render`](mod@render) | [`Renderer`]: runs the stages and feeds a backend |
+//! | [`control`] | progress, and the end of a picture before it is done |
+//! | [`session`] | [`Session`]: pictures of a mesh in another program's memory |
 //! | [`image`](mod@image), [`profile`] | [`Image`] and where its time went |
 //! | [`generate`] | analytic and procedural meshes |
 //!
@@ -46,6 +48,7 @@ pub mod backends;
 pub mod camera;
 pub mod cells;
 pub mod columns;
+pub mod control;
 pub mod error;
 pub mod fog;
 pub mod generate;
@@ -56,12 +59,15 @@ mod memory;
 pub mod optics;
 pub mod profile;
 pub mod render;
+pub mod session;
 pub mod stages;
 
 pub use camera::{Camera, Projection, Region};
-pub use columns::{Dataset, Field, FieldSelection, Points, TetMesh};
+pub use columns::{Dataset, Field, FieldSelection, Points, Positions, TetMesh};
+pub use control::CancelToken;
 pub use error::{Error, Result};
 pub use image::Image;
 pub use optics::{ControlPoint, Integral, Model, TransferFunction};
 pub use render::{CpuMethod, RenderOptions, Rendered, Renderer, Scene};
+pub use session::{MeshView, Session};
 pub use stages::sort::SortMethod;

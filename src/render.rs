@@ -11,11 +11,14 @@ mod opaque;
 mod order;
 mod profiled;
 mod scene;
+mod update;
 
 pub use fog::{FogLook, FogRenderer};
 pub use profiled::profile_views;
 pub use scene::Scene;
+pub(crate) use update::Stillness;
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use crate::backends::cpu::{FanCompositor, InstructionSet, TileCompositor};
@@ -24,6 +27,7 @@ use crate::backends::gpu::GpuCompositor;
 use crate::backends::{Counts, Frame};
 use crate::camera::Camera;
 use crate::columns::Dataset;
+use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::geometry::GeometryOptions;
 use crate::image::{BandImage, DepthImage, Image};
@@ -164,6 +168,10 @@ pub struct Renderer {
     tiles: TileCompositor,
     fans: FanCompositor,
     topological: Topological,
+    /// The last order by the graph of the mesh, and what it is of, where views stay as they are.
+    last_order: Option<order::LastOrder>,
+    control: Arc<Control>,
+    still: Stillness,
     #[cfg(feature = "gpu")]
     gpu: Option<GpuCompositor>,
     /// Pictures of so many bytes were found to fit into memory.
@@ -184,10 +192,27 @@ impl Renderer {
         Self { options, tiles, ..Self::default() }
     }
 
+    /// Draws what follows with other options; what is kept between frames stays.
+    pub fn set_options(&mut self, options: RenderOptions) {
+        self.tiles.set_instruction_set(options.instruction_set);
+        self.options = options;
+    }
+
+    /// How frames are watched and ended: the token is looked at for each block of cells, each tile and each few hundred cells of a tile;
+    /// with [`SortMethod::Topological`] and opaque geometry only between the steps by which these are made, on a GPU before it draws.
+    pub fn set_control(&mut self, control: Control) {
+        self.control = Arc::new(control);
+    }
+
+    /// Keeps the order of a frame for the next.
+    pub(crate) fn set_stillness(&mut self, still: Stillness) {
+        self.still = still;
+    }
+
     /// Draws one frame.
     ///
     /// # Errors
-    /// [`Error::Camera`] where the camera is not valid, [`Error::Option`] where the options are not, [`Error::Memory`] where the
+    /// [`Error::Cancelled`] where [`Renderer::set_control`] gave a token and this was set; [`Error::Camera`] where the camera is not valid, [`Error::Option`] where the options are not, [`Error::Memory`] where the
     /// memory budget is too small, [`Error::OutOfMemory`] where the picture is too large for the system's, [`Error::Changed`] where a
     /// file that is used in place has changed.
     pub fn render(&mut self, scene: &Scene, camera: &Camera) -> Result<Rendered> {
@@ -214,12 +239,19 @@ impl Renderer {
         let start = Instant::now();
         let view = View::new(camera, &scene.dataset)?;
         self.check_memory(view.region.size_px(), scene.bands_of_picture(options.model))?;
+        let control = Arc::clone(&self.control);
+        control.begin();
+        control.check()?;
         let cull_table = CullTable::new(&scene.pieces, options.model);
         let mut profile = Profile::default();
+        // Both come back when the frame is finished.
         let mut topological = std::mem::take(&mut self.topological);
-        let order = self.order_frame(scene, &view, &mut topological, &mut profile);
+        let order = self.order_kept(scene, &view, &mut topological, &mut profile);
+        let last_order = self.last_order.take();
+        control.check()?;
         // After the order, which may have found the exterior faces.
         let opaque = self.opaque(scene, &view, &mut profile)?;
+        control.check()?;
         let frame = Frame {
             dataset: &scene.dataset,
             field: &scene.field,
@@ -234,15 +266,17 @@ impl Renderer {
             faces: options.faces,
             stop_transmittance: options.stop_transmittance,
             memory_bytes: opaque::budget(&options, opaque.as_ref(), &view),
+            control: &control,
+            still: self.still.of(scene),
             opaque: opaque.as_ref(),
         };
-        let drawn = draw(self, &frame, &mut profile);
+        let drawn = draw(self, &frame, &mut profile).and_then(|drawn| control.check().map(|()| drawn));
         let (image, bands, counts) = drawn.map_err(|error| opaque::with_geometry(error, &options, &frame))?;
         let depth_world = self.depths_world(&frame)?;
         let frame_ms = start.elapsed().as_secs_f64() * 1e3;
 
         let misordered_pairs = options.check_order.then(|| order::misordered_pairs(&frame));
-        self.topological = topological;
+        (self.topological, self.last_order) = (topological, last_order);
         let cells = cell_stats(&scene.dataset, &counts, self.draws_fans());
         let order = self.order_stats(order, &counts, misordered_pairs);
         let geometry = opaque::stats(opaque.as_ref(), &counts);

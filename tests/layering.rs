@@ -9,11 +9,12 @@ use std::path::{Path, PathBuf};
 /// DESIGN, "Rooms"; `atomic` (files that appear whole) is below everything that writes files, `memory` (asked for before
 /// it is taken) below everything whose size a user chooses.
 const TIERS: &[&[&str]] = &[
-    &["error", "profile", "image", "camera", "atomic", "memory"],
+    &["error", "profile", "image", "camera", "control", "atomic", "memory"],
     &["columns", "cells", "optics"],
     &["io", "stages", "hierarchy", "generate", "geometry", "fog"],
     &["backends", "depth_planes"],
     &["render"],
+    &["session"],
     &["cli", "capi", "main"],
 ];
 
@@ -24,6 +25,7 @@ const WITHIN: &[(&str, &str)] = &[
     ("profile", "error"),
     ("image", "error"),
     ("camera", "error"),
+    ("control", "error"),
     ("atomic", "error"),
     ("memory", "error"),
     ("image", "memory"),
@@ -44,10 +46,12 @@ const REEXPORTED: &[(&str, &str)] = &[
     ("Camera", "camera"),
     ("Projection", "camera"),
     ("Region", "camera"),
+    ("CancelToken", "control"),
     ("Dataset", "columns"),
     ("Field", "columns"),
     ("FieldSelection", "columns"),
     ("Points", "columns"),
+    ("Positions", "columns"),
     ("TetMesh", "columns"),
     ("Error", "error"),
     ("Result", "error"),
@@ -61,6 +65,8 @@ const REEXPORTED: &[(&str, &str)] = &[
     ("Rendered", "render"),
     ("Renderer", "render"),
     ("Scene", "render"),
+    ("MeshView", "session"),
+    ("Session", "session"),
     ("SortMethod", "stages"),
 ];
 

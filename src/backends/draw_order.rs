@@ -13,7 +13,7 @@ use crate::stages::classify::ClassCounts;
 use crate::stages::cull;
 use crate::stages::fans::{self, FanInput, FanSlot, FanStyle, PlanesFor};
 use crate::stages::footprints::PixelBoxes;
-use crate::stages::project::project;
+use crate::stages::project::project_while;
 use crate::stages::sort::radix::frames::{FrameSort, Part};
 use crate::stages::sort::radix::{Pair, index_of, pair};
 use crate::stages::{ScreenVertex, View};
@@ -55,7 +55,7 @@ impl DrawOrder {
     /// Projects, culls and sorts.
     pub(super) fn find(&mut self, frame: &Frame, is_ordered: bool, profile: &mut Profile) -> Counts {
         let start = Instant::now();
-        project(frame.view, frame.vertices, &mut self.screen);
+        project_while(frame.control, frame.view, frame.vertices, &mut self.screen);
         profile.add("project", start.elapsed(), frame.vertices.len() as u64 * 32);
 
         let counts = self.cull_and_key(frame, profile);
@@ -101,6 +101,9 @@ impl DrawOrder {
             let mut counts = Counts::default();
             let first = number * blocks_of_part;
             for block in first..(first + blocks_of_part).min(blocks) {
+                if frame.control.is_cancelled() {
+                    break;
+                }
                 let _span = tracing::trace_span!("cull", block).entered();
                 let view = frame.dataset.block(block);
                 visible.clear();

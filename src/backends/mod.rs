@@ -12,7 +12,10 @@ mod tiles;
 
 pub use opaque::{Opaque, OpaquePicture};
 
+use std::sync::Arc;
+
 use crate::columns::{Association, Dataset, Field};
+use crate::control::Control;
 use crate::optics::{BandPiece, CullTable, Intervals, Pieces};
 use crate::stages::classify::ClassCounts;
 use crate::stages::fans::Faces;
@@ -48,8 +51,21 @@ pub struct Frame<'a> {
     pub stop_transmittance: f32,
     /// What scene and frame may hold, mapped files aside; `None` for any amount.
     pub memory_bytes: Option<u64>,
+    /// Whether somebody still wants the frame; who is told how far it is. Where the end is asked for, what was drawn is of no use.
+    pub control: &'a Control,
+    /// Where scalars may change and the view stay as it is; the tile compositor then keeps the order of cells.
+    pub still: Option<Still<'a>>,
     /// Opaque geometry, which cuts every cell; a backend's picture does not show it where the caller puts it behind.
     pub opaque: Option<&'a Opaque>,
+}
+
+/// Cells whose order is kept between frames that see them from the same place.
+#[derive(Clone, Copy, Debug)]
+pub struct Still<'a> {
+    /// The same for the same cells with their vertices at the same places.
+    pub shape: &'a Arc<()>,
+    /// Whether scalars are known to change: cells that do not show now may do so in the next frame.
+    pub is_live: bool,
 }
 
 /// Bytes of memory that a scene takes; columns that are used in place count nothing.

@@ -1,5 +1,6 @@
 //! From cells in file order to a [`Dataset`]: check, re-centre, orient, drop what has no volume, order in space.
 
+mod in_place;
 mod structured;
 
 use glam::{DVec3, Vec3};
@@ -47,6 +48,7 @@ impl Points {
     }
 }
 
+pub(crate) use in_place::{CellsInPlace, PositionsInPlace};
 pub use structured::StructuredCells;
 
 /// Tetrahedra in file order: what a reader or a generator hands over.

@@ -1,4 +1,4 @@
-//! `Column<T>`: a typed slice that is owned, or shared with the bytes of a file.
+//! `Column<T>`: a typed slice that is owned, shared with the bytes of a file, or lent.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -19,13 +19,14 @@ pub type SharedBytes = Arc<dyn AsRef<[u8]> + Send + Sync>;
 /// let column = Column::from(vec![1.0_f32, 2.0]);
 /// assert_eq!(column[1], 2.0);
 /// ```
-pub struct Column<T> {
+pub struct Column<T: 'static> {
     storage: Storage<T>,
 }
 
-enum Storage<T> {
+enum Storage<T: 'static> {
     Owned(Arc<Vec<T>>),
     Shared { bytes: SharedBytes, range: Range<usize>, values: PhantomData<T> },
+    Lent(&'static [T]),
 }
 
 impl<T: Pod> Column<T> {
@@ -49,7 +50,7 @@ impl<T: Pod> Column<T> {
     pub fn owned_bytes(&self) -> u64 {
         match &self.storage {
             Storage::Owned(values) => size_of_val(&values[..]) as u64,
-            Storage::Shared { .. } => 0,
+            Storage::Shared { .. } | Storage::Lent(_) => 0,
         }
     }
 }
@@ -57,12 +58,12 @@ impl<T: Pod> Column<T> {
 impl<T: Pod> Column<T> {
     /// The values to be changed; copied first where they are used in place or shared with another column.
     pub fn to_mut(&mut self) -> &mut Vec<T> {
-        if let Storage::Shared { .. } = self.storage {
+        if let Storage::Shared { .. } | Storage::Lent(_) = self.storage {
             *self = self.to_vec().into();
         }
         match &mut self.storage {
             Storage::Owned(values) => Arc::make_mut(values),
-            Storage::Shared { .. } => unreachable!("owned since the line above"),
+            Storage::Shared { .. } | Storage::Lent(_) => unreachable!("owned since the line above"),
         }
     }
 }
@@ -74,23 +75,31 @@ impl<T: Pod> Deref for Column<T> {
         match &self.storage {
             Storage::Owned(values) => values,
             Storage::Shared { bytes, range, .. } => bytemuck::cast_slice(&(**bytes).as_ref()[range.clone()]),
+            Storage::Lent(values) => values,
         }
     }
 }
 
-impl<T> From<Vec<T>> for Column<T> {
+impl<T: 'static> From<Vec<T>> for Column<T> {
     fn from(values: Vec<T>) -> Self {
         Self { storage: Storage::Owned(Arc::new(values)) }
     }
 }
 
-impl<T> FromIterator<T> for Column<T> {
+impl<T: 'static> From<&'static [T]> for Column<T> {
+    /// The values in place.
+    fn from(values: &'static [T]) -> Self {
+        Self { storage: Storage::Lent(values) }
+    }
+}
+
+impl<T: 'static> FromIterator<T> for Column<T> {
     fn from_iter<I: IntoIterator<Item = T>>(values: I) -> Self {
         Self { storage: Storage::Owned(Arc::new(values.into_iter().collect())) }
     }
 }
 
-impl<T> Clone for Column<T> {
+impl<T: 'static> Clone for Column<T> {
     /// Shares the values; nothing is copied.
     fn clone(&self) -> Self {
         let storage = match &self.storage {
@@ -98,6 +107,7 @@ impl<T> Clone for Column<T> {
             Storage::Shared { bytes, range, .. } => {
                 Storage::Shared { bytes: Arc::clone(bytes), range: range.clone(), values: PhantomData }
             }
+            Storage::Lent(values) => Storage::Lent(values),
         };
         Self { storage }
     }
@@ -128,6 +138,15 @@ mod tests {
             let column = Column::<u32>::shared("ids", Arc::clone(&bytes), 8, 2).unwrap();
             assert_eq!(&column[..], &[1, 2]);
         }
+    }
+
+    #[test]
+    fn lent_column_is_copied_when_it_is_changed() {
+        static VALUES: [u32; 3] = [4, 5, 6];
+        let mut column = Column::from(&VALUES[..]);
+        assert_eq!((column.as_ptr(), column.owned_bytes()), (VALUES.as_ptr(), 0));
+        column.to_mut()[0] = 1;
+        assert_eq!((&column[..], column.owned_bytes()), (&[1, 5, 6][..], 12));
     }
 
     #[test]

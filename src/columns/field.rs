@@ -106,14 +106,27 @@ impl Dataset {
     /// [`Error::UnknownArray`]; [`Error::UnusableArray`] where no value is finite or the component does not exist.
     pub fn field(&self, selection: &FieldSelection) -> Result<Field> {
         let (place, array) = select(&self.arrays, selection)?;
-        let scalars = Scalars { dataset: self, array, component: selection.component };
-        let known = self.known_ranges(place, selection.component);
+        self.field_of(array, selection.component, self.known_ranges(place, selection.component))
+    }
+
+    /// The same for an array of the caller's, which has a tuple for each point or cell of it; it is read once.
+    ///
+    /// # Errors
+    /// Those of [`Dataset::field`].
+    pub(crate) fn field_of_lent(&self, array: &Array, component: Component) -> Result<Field> {
+        let selection = FieldSelection { name: array.name.clone(), association: None, component };
+        select(std::slice::from_ref(array), &selection)?;
+        self.field_of(array, component, None)
+    }
+
+    fn field_of(&self, array: &Array, component: Component, known: Option<&ValueRanges>) -> Result<Field> {
+        let scalars = Scalars { dataset: self, array, component };
         let range = known.map_or_else(|| scalars.range(), |known| known.range);
         if range.0 > range.1 {
             return Err(unusable(array, "it has no finite value; choose another array".to_owned()));
         }
         let offset = offset_of(range);
-        let name = match selection.component {
+        let name = match component {
             Component::Magnitude => array.name.clone(),
             Component::Index(index) => format!("{}[{index}]", array.name),
         };
@@ -158,6 +171,25 @@ impl Dataset {
         let ends = fields.iter().map(|field| field.range);
         let range = ends.reduce(|(low, high), (a, b)| (low.min(a), high.max(b))).unwrap_or((0.0, 0.0));
         self.finish_field(name, Association::Cell, 0.0, values.into(), range)
+    }
+
+    /// `field`, of `before`, the same cells of the caller's at other places, on this dataset. Where a cell is here that was not there, its
+    /// value is not known.
+    pub(crate) fn field_from(&self, before: &Self, field: &Field) -> Field {
+        if self.cells() == before.cells() && self.file_from_cell == before.file_from_cell {
+            return field.clone();
+        }
+        let values = match field.association {
+            Association::Point => field.values.clone(),
+            Association::Cell => {
+                let mut value_from_file = vec![f32::NAN; self.counts.in_file as usize];
+                for (cell, &value) in field.values.iter().enumerate() {
+                    value_from_file[before.cell_tuple(cell)] = value;
+                }
+                (0..self.cells()).map(|cell| value_from_file[self.cell_tuple(cell)]).collect()
+            }
+        };
+        self.finish_field(field.name.clone(), field.association, field.offset, values, field.range)
     }
 
     fn finish_field(

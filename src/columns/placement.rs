@@ -18,7 +18,12 @@ pub(crate) struct Placement {
 impl Placement {
     /// For cells whose corners, some of `points`, reach from `low` to `high`.
     pub(crate) fn new(points: &Points, low: DVec3, high: DVec3) -> Self {
-        let origin = if low.cmple(high).all() { recentre(low, high, points) } else { DVec3::ZERO };
+        Self::of(matches!(points, Points::F32(_)), low, high)
+    }
+
+    /// The same; `is_single` says whether points are in single precision.
+    pub(crate) fn of(is_single: bool, low: DVec3, high: DVec3) -> Self {
+        let origin = if low.cmple(high).all() { recentre(low, high, is_single) } else { DVec3::ZERO };
         let bounds = Bounds { min: (low - origin).as_vec3(), max: (high - origin).as_vec3() };
         let extent = (bounds.max - bounds.min).max_element().max(f32::MIN_POSITIVE);
         Self { origin, bounds, steps_per_unit: ((1 << 21) - 1) as f32 / extent }
@@ -39,11 +44,11 @@ impl Placement {
 }
 
 /// Single precision input near the origin keeps its bits; everything else is centred.
-fn recentre(low: DVec3, high: DVec3, points: &Points) -> DVec3 {
+fn recentre(low: DVec3, high: DVec3, is_single: bool) -> DVec3 {
     let center = (low + high) * 0.5;
     let offset = center.abs().max_element();
     let extent = (high - low).max_element();
-    if matches!(points, Points::F32(_)) && offset <= 4.0 * extent { DVec3::ZERO } else { center }
+    if is_single && offset <= 4.0 * extent { DVec3::ZERO } else { center }
 }
 
 /// Sign of (b−a)×(c−a)·(d−a), exact (Shewchuk's adaptive predicate).

@@ -1,8 +1,9 @@
 //! The order of a frame: what it is asked for, which sort gives it, and how far it can be trusted.
 
+use std::sync::Arc;
 use std::time::Instant;
 
-use super::{Renderer, Scene};
+use super::{Renderer, Scene, Stillness};
 use crate::backends::{Counts, Frame};
 use crate::profile::{Exactness, OrderStats, Profile};
 use crate::stages::View;
@@ -26,7 +27,41 @@ pub(super) struct FrameOrder {
     overlapping_faces: u64,
 }
 
+/// The order of a frame, and what it is of.
+pub(super) struct LastOrder {
+    shape: Arc<()>,
+    view: View,
+    sort: SortMethod,
+    draws_fans: bool,
+    order: FrameOrder,
+}
+
 impl Renderer {
+    /// The order of a frame: the last frame's, where that was by the graph of the mesh and nothing has moved since.
+    pub(super) fn order_kept(
+        &mut self,
+        scene: &Scene,
+        view: &View,
+        topological: &mut Topological,
+        profile: &mut Profile,
+    ) -> FrameOrder {
+        let (sort, draws_fans) = (self.options.sort, self.draws_fans());
+        let is_same = |last: &LastOrder| {
+            let is_asked_for = last.sort == sort && last.draws_fans == draws_fans && !self.options.model.is_order_free();
+            is_asked_for && Arc::ptr_eq(&last.shape, &scene.shape) && last.view == *view
+        };
+        if let Some(LastOrder { order, .. }) = self.last_order.as_ref().filter(|last| is_same(last)) {
+            return *order;
+        }
+        self.last_order = None;
+        let order = self.order_frame(scene, view, topological, profile);
+        if self.still != Stillness::Moving && order.layers.is_some() {
+            let shape = Arc::clone(&scene.shape);
+            self.last_order = Some(LastOrder { shape, view: *view, sort, draws_fans, order });
+        }
+        order
+    }
+
     /// Chooses the order of a frame and makes what its keys are read from.
     ///
     /// `auto` takes what is exact: on the processor fragments are checked and put right, which costs less than a graph of the mesh
@@ -47,7 +82,7 @@ impl Renderer {
             SortMethod::Centroid => by(SortKey::Centroid),
             SortMethod::Power => by(SortKey::Power),
             SortMethod::Auto | SortMethod::Exact if !self.draws_fans() => {
-                FrameOrder { is_exact: true, ..by(scene.best_key) }
+                FrameOrder { is_exact: true, ..by(scene.best_key()) }
             }
             SortMethod::Auto | SortMethod::Exact | SortMethod::Topological => {
                 let adjacency = scene.adjacency(profile);

@@ -27,12 +27,15 @@ pub struct Scene {
     pub(super) pieces: Pieces,
     /// The colours of bands that glow.
     pub(super) transfer: TransferFunction,
-    pub(super) best_key: SortKey,
+    /// Found when an order first asks for it.
+    pub(super) best_key: OnceLock<SortKey>,
+    /// The same as long as the cells are where they are.
+    pub(super) shape: Arc<()>,
     pub(super) bands: Option<SceneBands>,
     /// Taken from the dataset or made, when an order first asks for it.
-    adjacency: OnceLock<Adjacency>,
+    pub(super) adjacency: OnceLock<Adjacency>,
     /// Counted when an order first asks for it.
-    overlapping_faces: OnceLock<u64>,
+    pub(super) overlapping_faces: OnceLock<u64>,
     /// Made when a frame first draws them.
     pub(super) lists: Lists,
     /// Triangles of other files.
@@ -65,14 +68,14 @@ impl Scene {
     pub fn new(dataset: Dataset, field: Field, transfer: &TransferFunction) -> Self {
         let vertices = scene_vertices(&dataset, &field);
         let pieces = transfer.pieces(field.offset);
-        let best_key = best_key(&dataset);
         Self {
             dataset,
             field,
             vertices,
             pieces,
             transfer: transfer.clone(),
-            best_key,
+            best_key: OnceLock::new(),
+            shape: Arc::new(()),
             bands: None,
             adjacency: OnceLock::new(),
             overlapping_faces: OnceLock::new(),
@@ -195,6 +198,11 @@ impl Scene {
         let external = self.external.as_ref().map_or(0, |external| 20 * external.depth_world.len() as u64);
         let triangles: u64 = self.triangles.iter().map(|layer| layer.list.bytes()).sum();
         scene + self.band_bytes() + adjacency + self.lists.bytes() + triangles + external
+    }
+
+    /// The key that orders the mesh best; found at the first call.
+    pub(super) fn best_key(&self) -> SortKey {
+        *self.best_key.get_or_init(|| best_key(&self.dataset))
     }
 
     /// Which cells share a face; taken from the dataset or made at the first call.

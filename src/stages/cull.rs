@@ -26,6 +26,17 @@ fn interval_of_eight([a, b, c, d, e, f, g, h]: [f32; 8]) -> (f32, f32) {
     value_interval([low, high, low2, high2])
 }
 
+/// Appends all block-local cells that there are to `cell_from_visible`.
+pub fn all(block: &BlockView, cell_from_visible: &mut Vec<u32>) {
+    match &block.cells {
+        BlockCells::Tets(tets) => cell_from_visible.extend(0..tets.len() as u32),
+        BlockCells::Hexahedra(hexahedra) => {
+            let is_there = |&cell: &u32| !hexahedra.shape(cell as usize).is_absent();
+            cell_from_visible.extend((0..hexahedra.len() as u32).filter(is_there));
+        }
+    }
+}
+
 /// Appends the block-local cells that can show to `cell_from_visible`; returns how many were transparent and invalid.
 pub fn cull(
     block: &BlockView,
@@ -37,13 +48,7 @@ pub fn cull(
     let (_, table) = optics;
     if field.invalid == 0 && table.is_all_opaque() {
         // Nothing to look at: all cells that there are show.
-        match &block.cells {
-            BlockCells::Tets(tets) => cell_from_visible.extend(0..tets.len() as u32),
-            BlockCells::Hexahedra(hexahedra) => {
-                let is_there = |&cell: &u32| !hexahedra.shape(cell as usize).is_absent();
-                cell_from_visible.extend((0..hexahedra.len() as u32).filter(is_there));
-            }
-        }
+        all(block, cell_from_visible);
         return Culled::default();
     }
     let of_vertex = |v: u32| screen[v as usize].scalar;

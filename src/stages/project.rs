@@ -8,6 +8,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::{View, scene_per_world};
+use crate::control::Control;
 use crate::columns::{Association, Dataset, Field};
 
 /// A vertex with its scalar in one record, so that a cell's gather touches one cache line per vertex.
@@ -60,14 +61,32 @@ pub fn scene_vertices(dataset: &Dataset, field: &Field) -> Vec<SceneVertex> {
 
 /// Projects every vertex into `screen`, which is resized to fit.
 pub fn project(view: &View, vertices: &[SceneVertex], screen: &mut Vec<ScreenVertex>) {
+    project_while(&Control::default(), view, vertices, screen);
+}
+
+/// Vertices between two looks at the token.
+const SLAB: usize = 1 << 18;
+
+/// The same until the end is asked for; then vertices are missing.
+pub(crate) fn project_while(
+    control: &Control,
+    view: &View,
+    vertices: &[SceneVertex],
+    screen: &mut Vec<ScreenVertex>,
+) {
     let _span = tracing::trace_span!("project").entered();
     let projection = view.projection();
-    vertices
-        .par_iter()
-        .with_min_len(4096)
-        .map(|vertex| {
-            let p = projection.project(Vec3::from_array(vertex.position));
-            ScreenVertex { x_px: p.x, y_px: p.y, depth: p.z, scalar: vertex.scalar }
-        })
-        .collect_into_vec(screen);
+    let to_screen = |vertex: &SceneVertex| {
+        let p = projection.project(Vec3::from_array(vertex.position));
+        ScreenVertex { x_px: p.x, y_px: p.y, depth: p.z, scalar: vertex.scalar }
+    };
+    screen.clear();
+    // At once as much as is needed: a list that grows is held twice for a moment.
+    screen.reserve_exact(vertices.len());
+    for slab in vertices.chunks(SLAB) {
+        if control.is_cancelled() {
+            return;
+        }
+        screen.par_extend(slab.par_iter().with_min_len(4096).map(to_screen));
+    }
 }

@@ -13,7 +13,7 @@ use crate::columns::Dataset;
 use crate::error::Result;
 
 /// A valid camera relative to [`Dataset::origin`], in scene units; pixel centres are at whole numbers.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// Whether rays leave the eye (otherwise they are parallel).
     pub is_perspective: bool,

@@ -64,6 +64,9 @@ impl Bins {
         let pairs_from_tile: Vec<AtomicU32> = (0..grid.len()).map(|_| AtomicU32::new(0)).collect();
         self.for_each_chunk(projector, |chunk, cells, blocks| {
             for block in blocks {
+                if projector.is_cancelled() {
+                    return;
+                }
                 let Some(rows) = projector.rows(block, &mut chunk.filled.counts) else {
                     chunk.rows_from_block.push(0..0);
                     continue;
@@ -116,6 +119,9 @@ impl Bins {
         let out = as_atomic(&mut pairs);
         self.for_each_chunk(projector, |chunk, cells, blocks| {
             for block in blocks {
+                if projector.is_cancelled() {
+                    return;
+                }
                 let touched = &census.rows_from_block[block];
                 if touched.start >= rows.end || touched.end <= rows.start {
                     continue;

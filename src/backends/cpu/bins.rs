@@ -13,6 +13,7 @@ use rayon::prelude::*;
 
 use super::block::{BlockCells, Projector};
 pub(super) use super::grid::TILE;
+use super::kept::bits_of;
 use super::grid::{SmallTileBox, TileBox, TileGrid};
 use crate::backends::Counts;
 use crate::stages::scatter::as_atomic;
@@ -23,6 +24,10 @@ use crate::stages::sort::radix::Pair;
 pub(super) const MANY_TILES: usize = SmallTileBox::MAX_TILES;
 /// Chunks of blocks; enough for work stealing, few enough for the counts of all tiles.
 const CHUNKS: usize = 64;
+/// Cells that are put into tiles between two looks at whether the frame is still wanted.
+const SCATTER: usize = 1 << 16;
+/// Share of a frame that filling the bins is said to be.
+pub(super) const FILLING: f64 = 0.2;
 
 /// A cell on many tiles.
 #[derive(Clone, Copy, Debug)]
@@ -41,6 +46,8 @@ pub(super) struct Chunk {
     /// Pairs per tile, then where the chunk's next pair goes among those of the tile.
     places: Vec<u32>,
     pub(super) filled: Filled,
+    /// Where the order is kept: a bit for each cell that touches a tile, block by block.
+    pub(super) projected: Vec<u64>,
     /// For a census: how many large cells, and the rows of tiles that each block touches.
     pub(super) large_cells: u64,
     pub(super) rows_from_block: Vec<Range<u32>>,
@@ -82,18 +89,30 @@ impl Bins {
             chunk.places.clear();
             chunk.places.resize(grid.len(), 0);
             for block in blocks {
+                if projector.is_cancelled() {
+                    return;
+                }
                 chunk.add_block(projector, cells, grid, block);
             }
         });
+        if projector.is_cancelled() {
+            return Filled::default();
+        }
         self.scan();
         let (out, starts) = (as_atomic(&mut self.pairs), &self.starts);
         self.chunks.par_iter_mut().for_each(|chunk| {
             let _span = tracing::trace_span!("scatter").entered();
-            for (&pair, tiles) in chunk.binned.iter().zip(&chunk.tiles_from_binned) {
-                for tile in tiles.get().tiles(grid) {
-                    let place = &mut chunk.places[tile];
-                    out[starts[tile] + *place as usize].store(pair, Ordering::Relaxed);
-                    *place += 1;
+            let Chunk { binned, tiles_from_binned, places, .. } = chunk;
+            for (pairs, tiles) in binned.chunks(SCATTER).zip(tiles_from_binned.chunks(SCATTER)) {
+                if projector.is_cancelled() {
+                    return;
+                }
+                for (&pair, tiles) in pairs.iter().zip(tiles) {
+                    for tile in tiles.get().tiles(grid) {
+                        let place = &mut places[tile];
+                        out[starts[tile] + *place as usize].store(pair, Ordering::Relaxed);
+                        *place += 1;
+                    }
                 }
             }
         });
@@ -115,6 +134,7 @@ impl Bins {
             let mut cells = lock(&self.blocks).pop().unwrap_or_default();
             work(chunk, &mut cells, i * per_chunk..((i + 1) * per_chunk).min(blocks));
             chunk.filled.stage_secs = std::mem::take(&mut cells.stage_secs);
+            projector.frame.control.tell(FILLING * i as f64 / CHUNKS as f64);
             lock(&self.blocks).push(cells);
         });
     }
@@ -132,7 +152,13 @@ impl Bins {
             next += of_tile as usize;
         }
         self.starts.push(next);
-        self.pairs.resize(next, 0);
+        if self.pairs.capacity() < next {
+            // Memory that the system clears when it is first written to, by the threads that write.
+            self.pairs = Vec::new();
+            self.pairs = vec![0; next];
+        } else {
+            self.pairs.resize(next, 0);
+        }
     }
 
     /// Sums up what the chunks found.
@@ -184,15 +210,22 @@ impl Chunk {
         self.large_cells = 0;
         self.rows_from_block.clear();
         self.filled = Filled::default();
+        self.projected.clear();
     }
 
     fn add_block(&mut self, projector: &Projector, cells: &mut BlockCells, grid: &TileGrid, block: usize) {
-        if projector.rows(block, &mut self.filled.counts).is_none() {
+        let is_seen = projector.rows(block, &mut self.filled.counts).is_some();
+        let Self { binned, tiles_from_binned, large, places, filled, projected, .. } = self;
+        let block = projector.frame.dataset.block(block);
+        if is_seen {
+            filled.counts += cells.project(projector, &block);
+        }
+        if projector.frame.still.is_some() {
+            projected.extend(bits_of(if is_seen { cells.projected() } else { &[] }));
+        }
+        if !is_seen {
             return;
         }
-        let Self { binned, tiles_from_binned, large, places, filled, .. } = self;
-        let block = projector.frame.dataset.block(block);
-        filled.counts += cells.project(projector, &block);
         cells.for_each(&block, |pair, tiles| {
             if tiles.len() > MANY_TILES {
                 large.push(LargeCell { pair, tiles });

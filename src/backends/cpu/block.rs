@@ -24,12 +24,19 @@ pub(super) struct Projector<'a> {
     pub(super) screen: &'a [ScreenVertex],
     pub(super) boxes: PixelBoxes,
     pub(super) kernels: Kernels,
+    /// Whether cells are taken that do not show by their values.
+    pub(super) takes_all: bool,
 }
 
 impl<'a> Projector<'a> {
     pub(super) fn new(frame: &'a Frame<'a>, screen: &'a [ScreenVertex], kernels: Kernels) -> Self {
         let region = TileGrid::new(frame.view).pixels(frame.view.size_px);
-        Self { frame, screen, boxes: PixelBoxes::new(frame.view).within(region), kernels }
+        Self { frame, screen, boxes: PixelBoxes::new(frame.view).within(region), kernels, takes_all: false }
+    }
+
+    /// Whether nobody wants the frame any more.
+    pub(super) fn is_cancelled(&self) -> bool {
+        self.frame.control.is_cancelled()
     }
 
     /// The rows of tiles that block `block` may touch; `None` where none of its cells can show, and then it is counted.
@@ -38,8 +45,8 @@ impl<'a> Projector<'a> {
         let frame = self.frame;
         let (low, high) = frame.field.block_ranges[block];
         // Cells with values that are not finite are counted one by one.
-        let has_invalid = frame.field.invalid > 0;
-        if !has_invalid && frame.cull_table.is_transparent(frame.intervals(), low, high) {
+        let has_invalid = frame.field.invalid > 0 && !self.takes_all;
+        if !has_invalid && !self.takes_all && frame.cull_table.is_transparent(frame.intervals(), low, high) {
             counts.culled_transparent += frame.dataset.cells_drawn_in(block);
             return None;
         }
@@ -86,8 +93,13 @@ impl BlockCells {
         let start = Instant::now();
         let span = tracing::trace_span!("cull").entered();
         self.cell_from_visible.clear();
-        let Culled { transparent, invalid } =
-            cull::cull(block, frame.field, screen, (frame.intervals(), frame.cull_table), &mut self.cell_from_visible);
+        let Culled { transparent, invalid } = if projector.takes_all {
+            cull::all(block, &mut self.cell_from_visible);
+            Culled::default()
+        } else {
+            let optics = (frame.intervals(), frame.cull_table);
+            cull::cull(block, frame.field, screen, optics, &mut self.cell_from_visible)
+        };
         self.stage_secs[0] += start.elapsed().as_secs_f64();
         drop(span);
         self.cell_from_projected.clear();
@@ -132,7 +144,7 @@ impl BlockCells {
 
     /// The boxes and keys of some visible tetrahedra, sixteen at a time.
     fn project_tets(&mut self, projector: &Projector, tets: &BlockTets, cell_from_visible: &[u32]) {
-        let Projector { frame, screen, boxes, kernels } = projector;
+        let Projector { frame, screen, boxes, kernels, .. } = projector;
         let start = Instant::now();
         let span = tracing::trace_span!("footprints").entered();
         let batches = &mut self.batches[..cell_from_visible.len().div_ceil(LANES)];
@@ -166,6 +178,11 @@ impl BlockCells {
         }
         self.stage_secs[1] += (found - start).as_secs_f64() + keyed.elapsed().as_secs_f64();
         self.stage_secs[2] += (keyed - found).as_secs_f64();
+    }
+
+    /// The cells that touch a tile.
+    pub(super) fn projected(&self) -> &[u32] {
+        &self.cell_from_projected
     }
 
     /// Keeps the cells that touch some rows of tiles.

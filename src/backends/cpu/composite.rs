@@ -48,6 +48,9 @@ impl Default for Scratch {
     }
 }
 
+/// Batches of cells between two looks at whether the frame is still wanted: less than 5 ms where each covers the tile.
+const LOOK: usize = 32;
+
 /// Sends the fragments of the cells of `order` to `sink`.
 #[inline(always)]
 pub(super) fn composite<O: Optics, S: Sink<O>>(
@@ -63,7 +66,7 @@ pub(super) fn composite<O: Optics, S: Sink<O>>(
     let mut gather = Gather::new(tile.frame, order);
     scratch.log.reset();
     for (nth, cells) in order.chunks(LANES).enumerate() {
-        if sink.is_all_done() {
+        if sink.is_all_done() || (nth % LOOK == 0 && tile.frame.control.is_cancelled()) {
             return;
         }
         let tets = gather.next(&mut scratch.corners);

@@ -46,6 +46,9 @@ impl FanCompositor {
         let input = self.order.fan_input(frame, PlanesFor::NoCells);
         let fans_per_record = input.contents().fans_per_record();
         for slice in self.order.slices(&input, SLICE) {
+            if frame.control.is_cancelled() {
+                break;
+            }
             let start = Instant::now();
             self.fans.clear();
             self.fans.resize(slice.fans(), Fan::default());

@@ -6,7 +6,7 @@
 //! `worker`: sort, `composite` a `tile` (sixteen cells at a time: `gather` corners, `planes`, rays that meet `tetrahedra`, or `hexahedra` and
 //! `crossed` ones with their `hits`; fragments to the `log`) into a `sink` (`blend`, which puts late fragments where they belong; `collect`
 //! and sort per pixel; `sum`) → picture.
-//! Under a memory budget the bins are filled in `bands`, within what `budget` leaves, and blocks collected in `portions`.
+//! Where the view stays as it is, the order is `kept`. Under a memory budget the bins are filled in `bands`, within what `budget` leaves, and blocks collected in `portions`.
 //! To add a way to composite: a sink; an instruction set: its kernels in `dispatch`, how it moves lanes in `simd`.
 
 mod bands;
@@ -25,6 +25,7 @@ pub(super) mod geometry;
 mod grid;
 mod hexahedra;
 mod hits;
+mod kept;
 mod log;
 mod planes;
 mod portions;

@@ -16,6 +16,8 @@ pub(super) struct LentTile<'a> {
     pub(super) first: [usize; 2],
     /// They themselves, row by row.
     pub(super) rows: ArrayVec<&'a mut [Pixel], { TILE as usize }>,
+    /// Where its order is kept, if it is.
+    pub(super) kept: Option<&'a mut Vec<u32>>,
 }
 
 /// Hands out tiles, left to right, top to bottom.
@@ -28,12 +30,21 @@ pub(super) struct TileSource<'a> {
     below: &'a mut [Pixel],
     /// The rows of pixels of the row of tiles at hand, from the next tile on.
     rows: ArrayVec<&'a mut [Pixel], { TILE as usize }>,
+    /// Where the orders of the tiles to come are kept; none where they are not.
+    kept: std::slice::IterMut<'a, Vec<u32>>,
 }
 
 impl<'a> TileSource<'a> {
-    /// The tiles of `rows`, some rows of those of `grid`, which are lent `pixels`: those of the region in these rows.
-    pub(super) fn new(region: Region, grid: &'a TileGrid, rows: &Range<u32>, pixels: &'a mut [Pixel]) -> Self {
-        Self { region, grid, tiles: grid.tiles(rows), below: pixels, rows: ArrayVec::new() }
+    /// The tiles of `rows`, some rows of those of `grid`, which are lent `pixels`: those of the region in these rows; and `kept`, one a
+    /// tile or none, for their orders.
+    pub(super) fn new(
+        region: Region,
+        grid: &'a TileGrid,
+        rows: &Range<u32>,
+        pixels: &'a mut [Pixel],
+        kept: &'a mut [Vec<u32>],
+    ) -> Self {
+        Self { region, grid, tiles: grid.tiles(rows), below: pixels, rows: ArrayVec::new(), kept: kept.iter_mut() }
     }
 }
 
@@ -51,7 +62,7 @@ impl<'a> Iterator for TileSource<'a> {
         }
         let width = ((x + TILE).min(self.region.x1) - left) as usize;
         let rows = self.rows.iter_mut().filter_map(|row| row.split_off_mut(..width)).collect();
-        Some(LentTile { tile, first: [(left - x) as usize, (top - y) as usize], rows })
+        Some(LentTile { tile, first: [(left - x) as usize, (top - y) as usize], rows, kept: self.kept.next() })
     }
 }
 
@@ -70,8 +81,8 @@ mod tests {
             for rows in [grid.rows.start..grid.rows.start + 1, grid.rows.start + 1..grid.rows.end] {
                 let start_of = |row: u32| (row * TILE).clamp(y0, y0 + height) - y0;
                 let of_rows = [rows.start, rows.end].map(|row| (start_of(row) * width) as usize);
-                let source = TileSource::new(region, &grid, &rows, &mut pixels[of_rows[0]..of_rows[1]]);
-                for LentTile { tile, first, rows } in source {
+                let source = TileSource::new(region, &grid, &rows, &mut pixels[of_rows[0]..of_rows[1]], &mut []);
+                for LentTile { tile, first, rows, .. } in source {
                     for (y, row) in rows.into_iter().enumerate() {
                         for (x, pixel) in row.iter_mut().enumerate() {
                             let [column, row] = [x + first[0], y + first[1]];

@@ -10,7 +10,9 @@ use super::blend::{Blend, Blending, OrderSlack};
 use super::budget::Plan;
 use super::collect::Collect;
 use super::composite::Scratch;
+use super::bins::FILLING;
 use super::dispatch::Kernels;
+use super::kept::Filter;
 use super::portions::{BlockCounts, Portion};
 use super::sum::Sum;
 use super::tile::{PIXELS, TileFrame, place_of};
@@ -34,6 +36,9 @@ pub(super) struct TileTask<'a, O> {
     pub(super) kernels: Kernels,
     /// How a memory budget is shared, where there is one.
     pub(super) plan: Option<&'a Plan>,
+    /// Whether tiles' orders are those of the frame before, and which of their cells show.
+    pub(super) is_kept: bool,
+    pub(super) filter: Filter<'a>,
 }
 
 /// What drawing tiles counted and took.
@@ -101,13 +106,15 @@ impl Worker {
         }
         let mut drawn = Drawn::default();
         let mut looked = Instant::now();
-        while let Some(LentTile { tile, first, rows }) = next() {
-            drawn = drawn.sum(self.draw_tile(task, tile));
+        let control = task.frame.control;
+        while let Some(LentTile { tile, first, rows, kept }) = next().filter(|_| !control.is_cancelled()) {
+            drawn = drawn.sum(self.draw_tile(task, tile, kept));
             for (y, row) in rows.into_iter().enumerate() {
                 for (x, pixel) in row.iter_mut().enumerate() {
                     *pixel = self.pixels[place_of(first[0] + x, first[1] + y)];
                 }
             }
+            control.tell(FILLING + (1.0 - FILLING) * (tile as f64 / task.bins.grid.len() as f64));
             if looked.elapsed() > LOOK {
                 looked = Instant::now();
                 drawn.anonymous_bytes = drawn.anonymous_bytes.max(anonymous_bytes());
@@ -117,19 +124,27 @@ impl Worker {
     }
 
     /// Draws `tile` into the worker's pixels, block by block, lane by lane.
-    fn draw_tile<O: Optics>(&mut self, task: &TileTask<O>, tile: usize) -> Drawn {
+    fn draw_tile<O: Optics>(&mut self, task: &TileTask<O>, tile: usize, kept: Option<&mut Vec<u32>>) -> Drawn {
         let start = Instant::now();
         let _span = tracing::trace_span!("tile", tile).entered();
         let mut drawn = Drawn::default();
         let out = &mut *self.pixels;
-        task.bins.pairs_of(tile, &mut self.order);
+        match kept {
+            Some(cells) if task.is_kept => task.filter.sift(cells, &mut self.order),
+            kept => {
+                task.bins.pairs_of(tile, &mut self.order);
+                if task.frame.keys.key() != SortKey::None && !self.order.is_empty() {
+                    let _span = tracing::trace_span!("sort").entered();
+                    sort_local(&mut self.order, &mut self.scratch);
+                }
+                if let Some(cells) = kept {
+                    task.filter.keep(&mut self.order, cells);
+                }
+            }
+        }
         if self.order.is_empty() {
             out.fill(task.optics.pixel(O::CLEAR));
             return drawn;
-        }
-        if task.frame.keys.key() != SortKey::None {
-            let _span = tracing::trace_span!("sort").entered();
-            sort_local(&mut self.order, &mut self.scratch);
         }
         let sorted = Instant::now();
 
