@@ -4,9 +4,9 @@
 //! chunks of cells, tiles and cells of a tile look at the token; what they leave undone is thrown away by whoever called them.
 
 use std::fmt;
+use std::sync::Arc;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::Arc;
 
 use crate::error::{Error, Result};
 

@@ -46,6 +46,8 @@
 mod atomic;
 pub mod backends;
 pub mod camera;
+#[cfg(feature = "capi")]
+pub mod capi;
 pub mod cells;
 pub mod columns;
 pub mod control;

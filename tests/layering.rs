@@ -245,3 +245,26 @@ fn the_checker_can_complain() {
         assert_eq!(complaint(path, text), "", "{path}");
     }
 }
+
+/// `include/cellfan.h` is what cbindgen makes of `src/capi`; with `CELLFAN_WRITE_HEADER` set it is made anew.
+#[test]
+fn the_header_is_that_of_the_sources() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let config = cbindgen::Config::from_file(root.join("cbindgen.toml")).unwrap();
+    let mut builder = cbindgen::Builder::new().with_config(config);
+    for file in ["guard", "handles", "types", "session", "picture"] {
+        builder = builder.with_src(root.join(format!("src/capi/{file}.rs")));
+    }
+    let mut made = Vec::new();
+    builder.generate().unwrap().write(&mut made);
+    let path = root.join("include/cellfan.h");
+    if std::env::var_os("CELLFAN_WRITE_HEADER").is_some() {
+        std::fs::write(&path, &made).unwrap();
+    }
+    let made = String::from_utf8(made).unwrap();
+    assert!(made.contains("cellfan_session_render(") && made.contains("CELLFAN_STATUS_CANCELLED"), "{made}");
+    assert!(
+        std::fs::read_to_string(&path).unwrap() == made,
+        "CELLFAN_WRITE_HEADER=1 cargo test --test layering header"
+    );
+}

@@ -47,7 +47,8 @@ impl Renderer {
     ) -> FrameOrder {
         let (sort, draws_fans) = (self.options.sort, self.draws_fans());
         let is_same = |last: &LastOrder| {
-            let is_asked_for = last.sort == sort && last.draws_fans == draws_fans && !self.options.model.is_order_free();
+            let is_asked_for =
+                last.sort == sort && last.draws_fans == draws_fans && !self.options.model.is_order_free();
             is_asked_for && Arc::ptr_eq(&last.shape, &scene.shape) && last.view == *view
         };
         if let Some(LastOrder { order, .. }) = self.last_order.as_ref().filter(|last| is_same(last)) {

@@ -14,9 +14,9 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-pub use self::view::{Cells, Indices, MeshView, Scalars};
 use self::cells::cells_of;
 use self::loan::lend;
+pub use self::view::{Cells, Indices, MeshView, Scalars};
 use crate::camera::Camera;
 use crate::columns::{
     Array, Association, CellCounts, CellsInPlace, Component, Dataset, Field, NumericColumn, Positions, PositionsInPlace,
@@ -93,8 +93,7 @@ impl<'a> Session<'a> {
         };
         let (cells, scene) = threads.run(|| Self::scene(mesh))?;
         let cancel = CancelToken::default();
-        let mut session =
-            Self { scene, cells, renderer: Renderer::default(), cancel, threads, mesh: PhantomData };
+        let mut session = Self { scene, cells, renderer: Renderer::default(), cancel, threads, mesh: PhantomData };
         session.renderer.set_stillness(Stillness::Still);
         session.set_control(None);
         Ok(session)
@@ -259,5 +258,6 @@ fn field_of(dataset: &Dataset, association: Association, scalars: Scalars<'_>) -
         };
     }
     let values = lent!(I8, U8, I16, U16, I32, U32, I64, U64, F32, F64);
-    dataset.field_of_lent(&Array { name: "scalars".to_owned(), association, components: 1, values }, Component::Magnitude)
+    dataset
+        .field_of_lent(&Array { name: "scalars".to_owned(), association, components: 1, values }, Component::Magnitude)
 }

@@ -8,8 +8,8 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::{View, scene_per_world};
-use crate::control::Control;
 use crate::columns::{Association, Dataset, Field};
+use crate::control::Control;
 
 /// A vertex with its scalar in one record, so that a cell's gather touches one cache line per vertex.
 #[repr(C)]
@@ -68,12 +68,7 @@ pub fn project(view: &View, vertices: &[SceneVertex], screen: &mut Vec<ScreenVer
 const SLAB: usize = 1 << 18;
 
 /// The same until the end is asked for; then vertices are missing.
-pub(crate) fn project_while(
-    control: &Control,
-    view: &View,
-    vertices: &[SceneVertex],
-    screen: &mut Vec<ScreenVertex>,
-) {
+pub(crate) fn project_while(control: &Control, view: &View, vertices: &[SceneVertex], screen: &mut Vec<ScreenVertex>) {
     let _span = tracing::trace_span!("project").entered();
     let projection = view.projection();
     let to_screen = |vertex: &SceneVertex| {

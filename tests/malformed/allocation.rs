@@ -2,6 +2,7 @@
 #![expect(unsafe_code, reason = "a global allocator is unsafe to implement; this one hands everything to the system's")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// A single request beyond this is refused, as a system under a memory limit would: code that copes gives an error, all
@@ -16,7 +17,41 @@ struct Counting;
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
+/// What one thread allocated.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Allocated {
+    /// Bytes that it allocated and did not free; other threads may have freed them.
+    pub(crate) held: isize,
+    /// The most of these at once.
+    pub(crate) peak: isize,
+    /// The largest of its requests.
+    pub(crate) largest: usize,
+}
+
+thread_local! {
+    static HERE: Cell<Allocated> = const { Cell::new(Allocated { held: 0, peak: 0, largest: 0 }) };
+}
+
+fn note_here(change: isize) {
+    // A thread that ends frees its last bytes when its counts are gone.
+    let _ = HERE.try_with(|here| {
+        let Allocated { held, peak, largest } = here.get();
+        let held = held + change;
+        here.set(Allocated { held, peak: peak.max(held), largest: largest.max(change.max(0) as usize) });
+    });
+}
+
+/// The result of `run`, and what it allocated on this thread.
+pub(crate) fn here<T>(run: impl FnOnce() -> T) -> (T, Allocated) {
+    let before = HERE.replace(Allocated::default());
+    let result = run();
+    let counted = HERE.get();
+    HERE.set(Allocated { held: before.held + counted.held, ..before });
+    (result, counted)
+}
+
 fn add(bytes: usize) {
+    note_here(bytes as isize);
     let held = HELD.fetch_add(bytes, Relaxed) + bytes;
     PEAK.fetch_max(held, Relaxed);
 }
@@ -52,12 +87,14 @@ unsafe impl GlobalAlloc for Counting {
         // SAFETY: as above. While it moves, old and new are both held, which the peak is to show.
         let moved = ask(size, || unsafe { System.realloc(start, layout, size) });
         if !moved.is_null() {
+            note_here(-(layout.size() as isize));
             HELD.fetch_sub(layout.size(), Relaxed);
         }
         moved
     }
 
     unsafe fn dealloc(&self, start: *mut u8, layout: Layout) {
+        note_here(-(layout.size() as isize));
         HELD.fetch_sub(layout.size(), Relaxed);
         // SAFETY: as above.
         unsafe { System.dealloc(start, layout) }

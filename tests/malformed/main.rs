@@ -2,12 +2,13 @@
 //!
 //! A reader may refuse or accept; it may not panic, take longer than its time, or allocate more than its limit
 //! (`targets.rs`). Which inputs come is a function of the seed alone. docs/robustness.md says how to run this for long.
-//! To add a reader: its line in [`targets::TARGETS`], and a function in `seeds.rs` that writes small good files.
+//! What sessions allocate is counted here too, since this is where allocations are. To add a reader: its line in [`targets::TARGETS`], and a function in `seeds.rs` that writes small good files.
 
 mod allocation;
 #[path = "../common/mod.rs"]
 mod common;
 mod harness;
+mod memory;
 mod mutate;
 mod random;
 mod regressions;

@@ -40,6 +40,7 @@ mod polyhedron;
 mod real;
 mod reference;
 mod region;
+mod session;
 mod several;
 mod topological;
 #[cfg(feature = "gpu")]

@@ -13,8 +13,8 @@ use rayon::prelude::*;
 
 use super::block::{BlockCells, Projector};
 pub(super) use super::grid::TILE;
-use super::kept::bits_of;
 use super::grid::{SmallTileBox, TileBox, TileGrid};
+use super::kept::bits_of;
 use crate::backends::Counts;
 use crate::stages::scatter::as_atomic;
 use crate::stages::sort::SortKey;

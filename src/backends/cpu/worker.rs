@@ -6,11 +6,11 @@
 use std::time::{Duration, Instant};
 
 use super::bins::Bins;
+use super::bins::FILLING;
 use super::blend::{Blend, Blending, OrderSlack};
 use super::budget::Plan;
 use super::collect::Collect;
 use super::composite::Scratch;
-use super::bins::FILLING;
 use super::dispatch::Kernels;
 use super::kept::Filter;
 use super::portions::{BlockCounts, Portion};

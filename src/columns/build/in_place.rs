@@ -180,18 +180,14 @@ fn place(
         let corners = corners.chain((0..hexahedra.len()).into_par_iter().flat_map_iter(|hex| whole.get(hex)));
         let bad = corners.find_first(|&v| !read.get(v as usize).is_finite());
         let point = bad.unwrap_or(0);
-        return Err(Error::NonFinitePosition {
-            point: point.into(),
-            position: read.get(point as usize).to_array(),
-        });
+        return Err(Error::NonFinitePosition { point: point.into(), position: read.get(point as usize).to_array() });
     }
     let placement = Placement::of(read.is_single(), low, high);
     if let Some(lent) = lent.filter(|_| placement.origin == DVec3::ZERO) {
         return Ok((lent, placement));
     }
     // A point of no cell may stand anywhere.
-    let position =
-        |v: usize| Some(read.get(v)).filter(|p| p.is_finite()).map_or(Vec3::ZERO, |p| placement.position(p));
+    let position = |v: usize| Some(read.get(v)).filter(|p| p.is_finite()).map_or(Vec3::ZERO, |p| placement.position(p));
     let positions: Vec<[f32; 3]> = (0..read.len()).into_par_iter().map(|v| position(v).to_array()).collect();
     Ok((positions.into(), placement))
 }
