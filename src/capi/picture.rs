@@ -125,7 +125,7 @@ pub unsafe extern "C" fn cellfan_save(
             return Err(argument(format!("rgba: {rgba_len} values; a picture of {width}x{height} has {expected}")));
         }
         let image = Image { width, height, pixels: values.as_chunks().0.to_vec() };
-        Ok(image.save(path.as_ref(), &Encoding::default())?)
+        Ok(image.save(path, &Encoding::default())?)
     })
 }
 
