@@ -169,7 +169,7 @@ impl Camera {
         let region = self.region.unwrap_or(Region::whole(size_px));
         region.check(size_px)?;
         // Beyond, squares of lengths are no numbers any more; nothing in f32 is so far away.
-        let is_near = |p: DVec3| p.abs().max_element() < Self::FARTHEST;
+        let is_near = |p: DVec3| p.abs().cmplt(DVec3::splat(Self::FARTHEST)).all();
         if !(is_near(self.eye) && is_near(self.target) && is_near(self.up)) {
             return Err(bad(format!("eye, target and up must be finite, each coordinate below {:e}", Self::FARTHEST)));
         }

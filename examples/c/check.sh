@@ -26,7 +26,7 @@ cmp "$out/c.png" "$out/static.png"
 "$out/first_fortran" "$out/fortran.png"
 if command -v valgrind >/dev/null; then
     # Wide vectors that valgrind does not know are not needed to look at arguments.
-    valgrind --quiet --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite "$out/errors"
+    valgrind --quiet --error-exitcode=9 --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite "$out/errors"
 else
     "$out/errors"
 fi
