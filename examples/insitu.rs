@@ -29,11 +29,11 @@ const BEND: f64 = 1.6 * PI;
 fn main() -> Result<()> {
     let settings = Settings::from_arguments()?;
     std::fs::create_dir_all(&settings.out)?;
-    let mut flow = Flow::new();
+    let (points, mut flow) = Flow::new();
     let mut dye = vec![0.0_f32; CELLS.iter().product()];
 
     // The grid does not move and is lent to the session; the dye changes, and is read when it is drawn.
-    let mesh = MeshView::new(Positions::F32(&flow.points), Cells::Structured { dims: POINTS })
+    let mesh = MeshView::new(Positions::F32(&points), Cells::Structured { dims: POINTS })
         .with_scalars(Association::Cell, Scalars::F32(&dye));
     let mut session = Session::on(Threads::Count(settings.threads), &mesh)?;
     let (width, height) = settings.size;
@@ -135,7 +135,6 @@ fn dye_colors() -> Result<TransferFunction> {
 
 /// A steady flow through the channel, as what passes each face in a step, and the dye that it carries.
 struct Flow {
-    points: Vec<[f32; 3]>,
     /// Volume through the faces across i, j and k, a face a point: that of the cell whose lowest corner the point is.
     through: [Vec<f64>; 3],
     /// Of each cell.
@@ -180,7 +179,8 @@ fn along_edge(axis: usize, [_, j, k]: [usize; 3]) -> f64 {
 }
 
 impl Flow {
-    fn new() -> Self {
+    /// The points of the grid, and the flow through it.
+    fn new() -> (Vec<[f32; 3]>, Self) {
         let places: Vec<DVec3> = all(POINTS).map(place).collect();
         let face = |axis: usize, at: [usize; 3]| {
             let step = |mut at: [usize; 3], axis: usize| {
@@ -223,7 +223,7 @@ impl Flow {
         let step = 0.8 / all(CELLS).map(leaves).fold(0.0, f64::max);
         let through = through.map(|faces| faces.into_iter().map(|flux| flux * step).collect());
         let points = places.iter().map(|p| p.as_vec3().to_array()).collect();
-        Self { points, through, volume, time: 0.0, net: 0.0 }
+        (points, Self { through, volume, time: 0.0, net: 0.0 })
     }
 
     /// Dye at the inlet: three jets that come and go.

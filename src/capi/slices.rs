@@ -147,7 +147,7 @@ pub(super) unsafe fn positions<'a>(
 ///
 /// # Safety
 /// As for [`slice()`], of all slices of the mesh.
-pub(super) unsafe fn mesh<'a>(mesh: &CellfanMesh) -> Result<MeshView<'a>, Failure> {
+pub(super) unsafe fn mesh<'a>(mesh: &CellfanMesh) -> Result<MeshView<'a, 'a>, Failure> {
     // SAFETY: here and below, the caller's obligation.
     let positions = unsafe { positions(mesh.positions, mesh.y, mesh.z) }?;
     let cells = if mesh.dims != [0; 3] {

@@ -15,7 +15,7 @@ use crate::io::UnstructuredMesh;
 ///
 /// # Safety
 /// As for [`lend`].
-pub(super) unsafe fn cells_of(mesh: &MeshView<'_>) -> Result<CellsInPlace> {
+pub(super) unsafe fn cells_of(mesh: &MeshView<'_, '_>) -> Result<CellsInPlace> {
     mesh.positions.check()?;
     let points = mesh.positions.len();
     let cells = match mesh.cells {

@@ -78,7 +78,7 @@ impl<'a> Session<'a> {
     /// # Errors
     /// [`Error::IndexOutOfRange`], [`Error::NonFinitePosition`], [`Error::LengthMismatch`], [`Error::TooLarge`], [`Error::NoCells`]
     /// where no cell has a volume, [`Error::UnusableArray`] where no scalar is finite.
-    pub fn new(mesh: &MeshView<'a>) -> Result<Self> {
+    pub fn new(mesh: &MeshView<'a, '_>) -> Result<Self> {
         Self::on(Threads::OfCaller, mesh)
     }
 
@@ -86,7 +86,7 @@ impl<'a> Session<'a> {
     ///
     /// # Errors
     /// Those of [`Session::new`], and [`Error::Option`] where threads cannot be had.
-    pub fn on(threads: Threads, mesh: &MeshView<'a>) -> Result<Self> {
+    pub fn on(threads: Threads, mesh: &MeshView<'a, '_>) -> Result<Self> {
         let threads = match threads {
             Threads::Count(count) => Threads::Pool(Arc::new(pool(count)?)),
             other => other,
@@ -99,7 +99,7 @@ impl<'a> Session<'a> {
         Ok(session)
     }
 
-    fn scene(mesh: &MeshView<'a>) -> Result<(CellsInPlace, Scene)> {
+    fn scene(mesh: &MeshView<'a, '_>) -> Result<(CellsInPlace, Scene)> {
         // SAFETY: cells and scene are kept by the session alone, whose type ends with 'a; nothing that it gives away shares them.
         let cells = unsafe { cells_of(mesh) }?;
         let lent = match mesh.positions {
@@ -156,7 +156,7 @@ impl<'a> Session<'a> {
     ///
     /// # Errors
     /// Those of [`Session::new`]. Then the mesh is that of before.
-    pub fn update_topology(&mut self, mesh: &MeshView<'a>) -> Result<()> {
+    pub fn update_topology(&mut self, mesh: &MeshView<'a, '_>) -> Result<()> {
         (self.cells, self.scene) = self.threads.run(|| Self::scene(mesh))?;
         Ok(())
     }

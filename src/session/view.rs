@@ -4,7 +4,8 @@ use crate::cells::CellKind;
 use crate::columns::{Association, Column, Positions};
 use crate::error::{Error, Result};
 
-/// A mesh in the slices of another program; nothing is copied by making one, and nothing checked.
+/// A mesh in the slices of another program; nothing is copied by making one, and nothing checked. A session may borrow points and cells for
+/// `'a`, and scalars, for `'s`, only while it is made.
 ///
 /// | layout | what [`Session::new`](super::Session::new) copies, for as long as the session lives |
 /// | --- | --- |
@@ -26,16 +27,16 @@ use crate::error::{Error, Result};
 /// # Ok::<(), cellfan::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
-pub struct MeshView<'a> {
+pub struct MeshView<'a, 's> {
     /// Where the points are.
     pub positions: Positions<'a>,
     /// Which of them are the corners of each cell.
     pub cells: Cells<'a>,
     /// What is drawn; nothing draws the mesh homogeneous.
-    pub scalars: Option<(Association, Scalars<'a>)>,
+    pub scalars: Option<(Association, Scalars<'s>)>,
 }
 
-impl<'a> MeshView<'a> {
+impl<'a> MeshView<'a, '_> {
     /// Cells between points.
     pub fn new(positions: Positions<'a>, cells: Cells<'a>) -> Self {
         Self { positions, cells, scalars: None }
@@ -43,8 +44,8 @@ impl<'a> MeshView<'a> {
 
     /// With a scalar for each point or each cell.
     #[must_use]
-    pub fn with_scalars(self, association: Association, scalars: Scalars<'a>) -> Self {
-        Self { scalars: Some((association, scalars)), ..self }
+    pub fn with_scalars<'s>(self, association: Association, scalars: Scalars<'s>) -> MeshView<'a, 's> {
+        MeshView { positions: self.positions, cells: self.cells, scalars: Some((association, scalars)) }
     }
 }
 

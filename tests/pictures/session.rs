@@ -35,16 +35,16 @@ impl Held {
         Self { points, corners: mesh.tets.as_flattened().to_vec(), point_values, cell_values }
     }
 
-    fn mesh(&self) -> MeshView<'_> {
+    fn mesh(&self) -> MeshView<'_, '_> {
         let cells = Cells::OfKind { kind: &TETRAHEDRON, points: Indices::U32(&self.corners) };
         MeshView::new(Positions::F32(&self.points), cells)
     }
 
-    fn of_points(&self) -> MeshView<'_> {
+    fn of_points(&self) -> MeshView<'_, '_> {
         self.mesh().with_scalars(Association::Point, Scalars::F32(&self.point_values))
     }
 
-    fn of_cells(&self) -> MeshView<'_> {
+    fn of_cells(&self) -> MeshView<'_, '_> {
         self.mesh().with_scalars(Association::Cell, Scalars::F32(&self.cell_values))
     }
 }
