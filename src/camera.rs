@@ -337,6 +337,16 @@ mod tests {
     }
 
     #[test]
+    fn a_place_of_which_a_coordinate_is_no_number_is_refused() {
+        for axis in 0..3 {
+            let (mut eye, mut target) = (camera(), camera());
+            eye.eye[axis] = f64::NAN;
+            target.target[axis] = f64::NAN;
+            assert!(eye.frame().is_err() && target.frame().is_err());
+        }
+    }
+
+    #[test]
     fn json_round_trip_and_errors() {
         let mut before = camera();
         assert_eq!(Camera::from_json(&before.to_json()).unwrap(), before);
