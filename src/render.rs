@@ -212,9 +212,10 @@ impl Renderer {
     /// Draws one frame.
     ///
     /// # Errors
-    /// [`Error::Cancelled`] where [`Renderer::set_control`] gave a token and this was set; [`Error::Camera`] where the camera is not valid, [`Error::Option`] where the options are not, [`Error::Memory`] where the
-    /// memory budget is too small, [`Error::OutOfMemory`] where the picture is too large for the system's, [`Error::Changed`] where a
-    /// file that is used in place has changed.
+    /// [`Error::Cancelled`] where [`Renderer::set_control`] gave a token and this was set; [`Error::Camera`] where the camera is not
+    /// valid, [`Error::Option`] where the options are not, [`Error::Memory`] where the memory budget is too small,
+    /// [`Error::OutOfMemory`] where the picture is too large for the system's, [`Error::Changed`] where a file that is used in place
+    /// has changed.
     pub fn render(&mut self, scene: &Scene, camera: &Camera) -> Result<Rendered> {
         self.run(scene, camera, |renderer, frame, profile| match &scene.bands {
             Some(bands) => renderer.draw_bands(scene, bands, frame, profile),
