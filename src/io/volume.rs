@@ -136,6 +136,7 @@ impl From<Volume> for Mesh {
 }
 
 #[cfg(test)]
+#[expect(clippy::float_cmp, reason = "points are computed exactly or compared as they are stored")]
 mod tests {
     use glam::DMat3;
 

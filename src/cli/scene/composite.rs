@@ -10,7 +10,7 @@ use clap::Args;
 use super::view::ViewSource;
 
 #[derive(Args)]
-#[group(id = "composite")]
+#[group(id = "pictures_beside")]
 pub(in crate::cli) struct Composite {
     /// Composite the volume with this picture, drawn from the same place and of the same size, by depth: an .exr with a channel Z, or a
     /// z-buffer (.vol) as Vol and `RenderMan` write them. Depths are along the view axis, in world units.

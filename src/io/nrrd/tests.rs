@@ -101,7 +101,8 @@ fn every_type_in_every_encoding_and_order_is_read_bit_for_bit() {
             values(&volume, 0).into_iter().map(f64::to_bits).collect::<Vec<_>>()
         };
         let expected = behind("encoding: raw\nendian: little", &little);
-        let text: String = expected.iter().map(|&bits| format!("{}, ", f64::from_bits(bits))).collect();
+        let text: Vec<String> = expected.iter().map(|&bits| f64::from_bits(bits).to_string()).collect();
+        let text = text.join(", ");
         assert_eq!(behind("encoding: raw\nendian: big", &big), expected, "{name}");
         assert_eq!(behind("encoding: gz\nendian: big", &gzip(&big)), expected, "{name}");
         assert_eq!(
