@@ -21,6 +21,7 @@
 //! | [`fog`] | ground fog: prisms on a terrain at a level of detail that follows the eye |
 //! | [`geometry`] | boundary surface, edges and points as opaque primitives in the volume |
 //! | [`backends`] | compositors: cells in order to pixels, on the CPU or (feature `gpu`) a GPU |
+//! | [`depth_planes`] | regular grids sampled on planes across the view |
 //! | [`render`](mod@render) | [`Renderer`]: runs the stages and feeds a backend |
 //! | [`image`](mod@image), [`profile`] | [`Image`] and where its time went |
 //! | [`generate`] | analytic and procedural meshes |
@@ -46,6 +47,7 @@ pub mod backends;
 pub mod camera;
 pub mod cells;
 pub mod columns;
+pub mod depth_planes;
 pub mod error;
 pub mod fog;
 pub mod generate;
