@@ -4,6 +4,7 @@
 
 mod band_arrays;
 mod bands;
+mod depth_planes;
 mod fog;
 #[cfg(feature = "gpu")]
 mod gpu;
@@ -11,10 +12,13 @@ mod opaque;
 mod order;
 mod profiled;
 mod scene;
+mod volume_scene;
 
+pub use depth_planes::depth_planes;
 pub use fog::{FogLook, FogRenderer};
 pub use profiled::profile_views;
 pub use scene::Scene;
+pub use volume_scene::VolumeScene;
 
 use std::time::Instant;
 

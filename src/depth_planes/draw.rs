@@ -8,7 +8,7 @@ use super::dispatch::Dispatch;
 use super::enlarge::{Scale, enlarged};
 use super::lighting::Lit;
 use super::march::{Block, March};
-use super::planes::{corners, largest_step};
+use super::planes::largest_step;
 use super::rays::Screen;
 use super::sample::{Grid, with_sampler};
 use super::shadows::LightVolume;
@@ -182,7 +182,7 @@ fn sampled(frame: &Frame, volume: &Volume, planes: &Planes, options: &Options) -
 /// The samples that rays through the volume may have; all where a corner is behind the eye.
 fn seen(volume: &Volume, frame: &Frame) -> Option<Region> {
     let whole = Region::whole(frame.size_px);
-    let corners = corners(volume);
+    let corners = volume.corners_world();
     if frame.is_perspective && corners.iter().any(|&corner| frame.depth(corner) <= 0.0) {
         return Some(whole);
     }

@@ -85,19 +85,11 @@ impl Planes {
 
 /// View depths of the nearest and the farthest corner, within what the camera draws.
 fn auto_limits(volume: &Volume, camera: &Camera, frame: &Frame) -> [f64; 2] {
-    let depths = corners(volume).map(|corner| frame.depth(corner));
+    let depths = volume.corners_world().map(|corner| frame.depth(corner));
     let (near, far) = depths.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &w| (a.min(w), b.max(w)));
     let diagonal = volume.lattice.steps().mul_vec3(volume.dims.map(|side| (side - 1) as f64).into()).length();
     let default_near = if frame.is_perspective { View::NEAR_SHARE * diagonal } else { f64::NEG_INFINITY };
     [near.max(camera.near.unwrap_or(default_near)), far.min(camera.far.unwrap_or(f64::INFINITY))]
-}
-
-/// The corners of the box of a volume in the world.
-pub(super) fn corners(volume: &Volume) -> [DVec3; 8] {
-    std::array::from_fn(|corner| {
-        let along = |axis: usize| if corner >> axis & 1 == 1 { (volume.dims[axis] - 1) as f64 } else { 0.0 };
-        volume.lattice.world(DVec3::new(along(0), along(1), along(2)))
-    })
 }
 
 /// The greatest distance along a direction from a point of the grid to the next.
