@@ -377,7 +377,8 @@ fn pictures_converge_to_the_ray_integral() {
     let post: Vec<f64> =
         (0..6).map(|n| error(&Options { sample_rate: f64::from(1 << n), ..Options::default() })).collect();
     let orders: Vec<f64> = post.windows(2).map(|pair| (pair[0] / pair[1]).log2()).collect();
-    println!("root mean square error {post:.2e?}, orders {orders:.2?}");
+    let errors: Vec<String> = post.iter().map(|error| format!("{error:.2e}")).collect();
+    println!("root mean square error {}, orders {orders:.2?}", errors.join(" "));
     let order = (post[0] / post[4]).log2() / 4.0;
     assert!(order > 1.7 && post[4] < 1e-5, "order {order}");
     // What is classified first is another picture.

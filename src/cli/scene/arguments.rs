@@ -7,6 +7,7 @@ use cellfan::stages::fans::Faces;
 use cellfan::{CpuMethod, Integral, Model, Region, SortMethod};
 use clap::Args;
 
+use super::planes::Planes;
 use crate::cli::arguments::{Cells, bytes, length, named, one_of, region, size, transmittance, view};
 use crate::cli::meshes::Raw;
 
@@ -106,6 +107,9 @@ pub(in crate::cli) struct Arguments {
     /// [default: as it comes].
     #[arg(long, value_name = "BYTES", help_heading = "Method", value_parser = bytes, allow_hyphen_values = true)]
     pub(in crate::cli) memory: Option<u64>,
+
+    #[command(flatten)]
+    pub(in crate::cli) planes: Planes,
 }
 
 const MODELS: [(&str, &str); 4] = [
