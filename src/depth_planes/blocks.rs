@@ -66,7 +66,8 @@ impl SourceVisitor for Build {
                     let start = j * strides[1] + k * strides[2];
                     for i in 0..values[0] {
                         let value = source.get(start + i).narrowed();
-                        // The second where the first is not a number.
+                        // What is not finite shows nothing; the second where the first is not a number.
+                        let value = if value.abs() <= f32::MAX { value } else { f32::NAN };
                         low[i] = min(value, low[i]);
                         high[i] = max(value, high[i]);
                     }
@@ -99,7 +100,7 @@ impl Occupancy {
         let beyond = if filter == Filter::CatmullRom { OVERSHOOT } else { 0.0 };
         let shows = |&[low, high]: &[f32; 2]| {
             let more = if low <= high { beyond * (high - low) } else { 0.0 };
-            classifier.shows(low - more, high + more)
+            classifier.shows((low - more).max(f32::MIN), (high + more).min(f32::MAX))
         };
         let finest: Vec<bool> = blocks.ranges.par_iter().map(shows).collect();
         let (is_any, is_all) = (finest.contains(&true), !finest.contains(&false));

@@ -56,7 +56,7 @@ impl Planes {
                 ((far - near) / largest_step(volume, frame.forward) * options.sample_rate * (1.0 - 1e-9)).ceil()
             }
         };
-        if !(wanted <= MOST) {
+        if wanted.is_nan() || wanted > MOST {
             let problem = format!("{wanted} planes; a million is the most");
             return Err(Error::Option { option: "--samples", problem });
         }

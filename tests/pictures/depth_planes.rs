@@ -262,7 +262,7 @@ fn every_way_of_sampling_agrees_with_the_twin() {
                 let (worst, covered) = difference(&case, &camera, options, &image, end);
                 println!("{lattice_name:8} {camera_name:13} {name:15} {worst:.1e} of {covered} pixels");
                 assert!(
-                    worst < 3e-5 && covered > 50,
+                    worst < 1e-5 && covered > 40,
                     "{lattice_name}, {camera_name}, {name}: {worst} of {covered} pixels"
                 );
             }
@@ -380,11 +380,11 @@ fn pictures_converge_to_the_ray_integral() {
     let errors: Vec<String> = post.iter().map(|error| format!("{error:.2e}")).collect();
     println!("root mean square error {}, orders {orders:.2?}", errors.join(" "));
     let order = (post[0] / post[4]).log2() / 4.0;
-    assert!(order > 1.7 && post[4] < 1e-5, "order {order}");
+    assert!(order > 1.7 && post[4] < 3e-5, "order {order}");
     // What is classified first is another picture.
     let pre = error(&Options { sample_rate: 16.0, classification: Classification::Pre, ..Options::default() });
     println!("classified first: {pre:.2e}");
-    assert!(pre > 100.0 * post[4]);
+    assert!(pre > 50.0 * post[4]);
 }
 
 /// Same bytes for any number of threads, any instruction set, and any part of the picture.
@@ -406,7 +406,7 @@ fn pictures_do_not_depend_on_how_they_are_drawn() {
         }
         for set in InstructionSet::available() {
             let drawn = case.draw(&camera, &Options { instruction_set: Some(set), ..options.clone() });
-            assert!(drawn == whole, "{}", set.name());
+            assert!(drawn == whole, "{set:?}");
         }
         let region = Region { x0: 13, y0: 21, x1: 59, y1: 50 };
         let part = case.draw(&Camera { region: Some(region), ..camera.clone() }, &options);

@@ -32,7 +32,7 @@ pub(in crate::cli) struct Arguments {
     /// [default: one that varies].
     #[arg(long, value_name = "NAME", help_heading = "Picture")]
     pub(super) array: Option<String>,
-    /// Colour and extinction: a .json or .csv file, or viridis, inferno, cool-warm or x-ray over the array's range
+    /// Colour and extinction: a .json (points, or materials by their values) or .csv file, or viridis, inferno, cool-warm or x-ray over the array's range
     /// [default: from the array's histogram].
     #[arg(long, value_name = "TF", help_heading = "Picture")]
     pub(super) transfer: Option<String>,
