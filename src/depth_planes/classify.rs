@@ -4,7 +4,7 @@
 //! that may be above a value, and seldom a second one has to be compared.
 
 use super::sample::Corners;
-use crate::optics::lanes::{LANES, Lanes};
+use crate::optics::lanes::{LANES, Lanes, max, min};
 use crate::optics::{LinearPiece, Piece, Pieces};
 
 /// Bins of the table.
@@ -28,8 +28,15 @@ pub(super) struct Classifier {
 pub(super) struct Looks {
     /// Per world unit length; 0 where nothing shows.
     pub(super) extinction: Lanes,
-    /// Which piece each value is in, for its colour.
-    piece: [u32; LANES],
+    piece: PieceOf,
+}
+
+/// Which piece values are in, for their colour.
+#[derive(Clone, Copy, Debug)]
+enum PieceOf {
+    /// All in one: neighbours often are, and what is the same for all lanes needs no look-up.
+    All(u32),
+    Each([u32; LANES]),
 }
 
 impl Classifier {
@@ -75,22 +82,51 @@ impl Classifier {
         if extinction > self.threshold { extinction } else { 0.0 }
     }
 
-    /// Extinctions of sixteen values.
+    /// Extinctions of the values of lanes that have a length, and anything in the others.
     #[inline(always)]
-    pub(super) fn looks(&self, s: &Lanes) -> Looks {
-        let mut looks = Looks { extinction: [0.0; LANES], piece: [0; LANES] };
+    pub(super) fn looks(&self, s: &Lanes, length: &Lanes) -> Looks {
+        let (mut low, mut high) = ([0.0; LANES], [0.0; LANES]);
+        for l in 0..LANES {
+            (low[l], high[l]) = if length[l] > 0.0 { (s[l], s[l]) } else { (f32::INFINITY, f32::NEG_INFINITY) };
+        }
+        let (first, last) = (self.piece_of(least(&low)), self.piece_of(most(&high)));
+        let mut extinction = [0.0; LANES];
+        if first == last {
+            let piece = self.pieces[first];
+            for l in 0..LANES {
+                let found = piece.extinction_at(s[l]);
+                extinction[l] = if found > self.threshold { found } else { 0.0 };
+            }
+            return Looks { extinction, piece: PieceOf::All(first as u32) };
+        }
+        let mut pieces = [0; LANES];
         for l in 0..LANES {
             let piece = self.piece_of(s[l]);
-            looks.piece[l] = piece as u32;
-            looks.extinction[l] = self.extinction_in(piece, s[l]);
+            pieces[l] = piece as u32;
+            extinction[l] = self.extinction_in(piece, s[l]);
         }
-        looks
+        Looks { extinction, piece: PieceOf::Each(pieces) }
     }
 
-    /// The colour of one of them.
+    /// The colours of the same values.
     #[inline(always)]
-    pub(super) fn color(&self, looks: &Looks, s: &Lanes, lane: usize) -> [f32; 3] {
-        self.pieces[looks.piece[lane] as usize].color_at(s[lane])
+    pub(super) fn colors(&self, looks: &Looks, s: &Lanes, colors: &mut [Lanes; 3]) {
+        match looks.piece {
+            PieceOf::All(piece) => {
+                let piece = self.pieces[piece as usize];
+                for c in 0..3 {
+                    for l in 0..LANES {
+                        colors[c][l] = piece.color[c] + (s[l] - piece.start) * piece.color_slope[c];
+                    }
+                }
+            }
+            PieceOf::Each(pieces) => {
+                for l in 0..LANES {
+                    let color = self.pieces[pieces[l] as usize].color_at(s[l]);
+                    (0..3).for_each(|c| colors[c][l] = color[c]);
+                }
+            }
+        }
     }
 
     /// The colour of any finite value.
@@ -128,4 +164,28 @@ impl Classifier {
                 most > 0.0 && most * (1.0 + 1e-5) > self.threshold
             })
     }
+}
+
+/// The least of sixteen numbers, halves against each other; what is no number does not count where another follows it.
+#[inline(always)]
+pub(super) fn least(v: &Lanes) -> f32 {
+    folded(v, |a, b| min(b, a))
+}
+
+/// The greatest, alike.
+#[inline(always)]
+pub(super) fn most(v: &Lanes) -> f32 {
+    folded(v, |a, b| max(b, a))
+}
+
+#[inline(always)]
+fn folded(v: &Lanes, of: impl Fn(f32, f32) -> f32) -> f32 {
+    let (mut eight, mut four) = ([0.0; 8], [0.0; 4]);
+    for l in 0..8 {
+        eight[l] = of(v[l], v[l + 8]);
+    }
+    for l in 0..4 {
+        four[l] = of(eight[l], eight[l + 4]);
+    }
+    of(of(four[0], four[2]), of(four[1], four[3]))
 }

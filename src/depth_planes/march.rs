@@ -6,14 +6,14 @@
 //! Optical depth is summed up and transmittance taken from the sum, so that thin samples lose no digit.
 
 use super::blocks::Occupancy;
-use super::classify::Classifier;
+use super::classify::{Classifier, least, most};
 use super::dispatch::Kernel;
 use super::lighting::Lit;
 use super::rays::Rays;
 use super::sample::{Corners, Places, Sampler};
 use super::{Classification, Options};
 use crate::optics::exp::{exp_neg, one_minus_exp_neg};
-use crate::optics::lanes::{LANES, Lanes, max, min};
+use crate::optics::lanes::{LANES, Lanes, is_any, mask, max, min};
 use crate::optics::{Model, Output};
 
 /// What all rays of a picture read.
@@ -52,7 +52,7 @@ impl Kernel for Block<'_> {
 /// What rays have met so far.
 struct Met {
     /// Light, or the optical depths of absorption.
-    sum: [[f32; 4]; LANES],
+    sum: [Lanes; 4],
     /// Optical depth.
     depth: Lanes,
     transmittance: Lanes,
@@ -64,7 +64,7 @@ impl March<'_> {
     #[inline(always)]
     fn follow(&self, rays: &mut Rays, pixels: &mut [[f32; 4]; LANES]) {
         let mut met = Met {
-            sum: [[0.0; 4]; LANES],
+            sum: [[0.0; LANES]; 4],
             depth: [0.0; LANES],
             transmittance: [1.0; LANES],
             largest: [f32::NEG_INFINITY; LANES],
@@ -98,19 +98,18 @@ impl March<'_> {
     #[inline(always)]
     fn may_show(&self, rays: &Rays, between: [f32; 2]) -> bool {
         let Some(occupancy) = self.occupancy else { return true };
-        let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+        let (mut low, mut high) = ([0.0; 3], [0.0; 3]);
         for axis in 0..3 {
-            let (mut least, mut most) = ([0.0; LANES], [0.0; LANES]);
+            let (mut lows, mut highs) = ([0.0; LANES], [0.0; LANES]);
             for l in 0..LANES {
                 let (from, to) = (max(between[0], rays.enter[l]), min(between[1], rays.exit[l]));
-                let [a, b] = [from, to].map(|depth| rays.origin[axis][l] + depth * rays.step[axis][l]);
+                let a = rays.origin[axis][l] + from * rays.step[axis][l];
+                let b = rays.origin[axis][l] + to * rays.step[axis][l];
                 let is_in = from < to;
-                least[l] = if is_in { min(a, b) } else { f32::INFINITY };
-                most[l] = if is_in { max(a, b) } else { f32::NEG_INFINITY };
+                lows[l] = if is_in { min(a, b) } else { f32::INFINITY };
+                highs[l] = if is_in { max(a, b) } else { f32::NEG_INFINITY };
             }
-            for l in 0..LANES {
-                (low[axis], high[axis]) = (min(least[l], low[axis]), max(most[l], high[axis]));
-            }
+            (low[axis], high[axis]) = (least(&lows), most(&highs));
         }
         // Rounding may put a place a little outside, where a sample is brought back in.
         let clamped = |place: f32, axis: usize| min(max(place, 0.0), self.upper[axis]);
@@ -124,7 +123,7 @@ impl March<'_> {
         let [front, back] = [self.edges[plane], self.edges[plane + 1]];
         let mut length: Lanes = [0.0; LANES];
         let mut at: Places = [[0.0; LANES]; 3];
-        let mut any = 0.0;
+        let mut is_met = [0; LANES];
         for l in 0..LANES {
             let (from, to) = (max(front, rays.enter[l]), min(back, rays.exit[l]));
             let (mut depth, mut share) = (0.5 * (from + to), max(to - from, 0.0));
@@ -134,15 +133,13 @@ impl March<'_> {
                 share = if rays.enter[l] <= depth && depth <= rays.exit[l] { back - front } else { 0.0 };
             }
             length[l] = share * rays.length[l];
+            is_met[l] = mask(length[l] > 0.0);
             for axis in 0..3 {
                 let place = rays.origin[axis][l] + depth * rays.step[axis][l];
                 at[axis][l] = min(max(place, 0.0), self.upper[axis]);
             }
         }
-        for l in 0..LANES {
-            any = max(length[l], any);
-        }
-        if any == 0.0 {
+        if !is_any(&is_met) {
             return;
         }
         if self.options.classification == Classification::Pre && self.options.model != Model::Mip {
@@ -164,8 +161,9 @@ impl March<'_> {
             }
             return;
         }
-        let looks = self.classifier.looks(&s);
-        self.composite(at, length, &looks.extinction, |l| self.classifier.color(&looks, &s, l), rays, met);
+        let looks = self.classifier.looks(&s, length);
+        let colors = |colors: &mut [Lanes; 3]| self.classifier.colors(&looks, &s, colors);
+        self.composite(at, length, &looks.extinction, colors, rays, met);
     }
 
     #[inline(always)]
@@ -173,13 +171,13 @@ impl March<'_> {
         let mut corners = Corners::NONE;
         self.sampler.corners(at, &mut corners);
         let mut extinction = [0.0; LANES];
-        let mut color = [[0.0; 3]; LANES];
+        let mut found = [[0.0; LANES]; 3];
         for l in 0..LANES {
             if length[l] > 0.0 {
-                [extinction[l], color[l][0], color[l][1], color[l][2]] = self.classifier.interpolated(&corners, l);
+                [extinction[l], found[0][l], found[1][l], found[2][l]] = self.classifier.interpolated(&corners, l);
             }
         }
-        self.composite(at, length, &extinction, |l| color[l], rays, met);
+        self.composite(at, length, &extinction, |colors| *colors = found, rays, met);
     }
 
     /// Adds samples behind those before.
@@ -189,19 +187,17 @@ impl March<'_> {
         at: &Places,
         length: &Lanes,
         extinction: &Lanes,
-        color: impl Fn(usize) -> [f32; 3],
+        colors_of: impl FnOnce(&mut [Lanes; 3]),
         rays: &mut Rays,
         met: &mut Met,
     ) {
         let mut depth = [0.0; LANES];
-        let mut any = 0.0;
+        let mut is_shown = [0; LANES];
         for l in 0..LANES {
-            depth[l] = extinction[l] * length[l];
+            depth[l] = if length[l] > 0.0 { extinction[l] * length[l] } else { 0.0 };
+            is_shown[l] = mask(depth[l] > 0.0);
         }
-        for l in 0..LANES {
-            any = max(depth[l], any);
-        }
-        if any == 0.0 {
+        if !is_any(&is_shown) {
             return;
         }
         let surfaces = self.lit.map(|lit| lit.surfaces(self.sampler, at));
@@ -210,48 +206,50 @@ impl March<'_> {
                 depth[l] *= surfaces.strength[l];
             }
         }
-        let shown = |l: usize| match (self.lit, &surfaces) {
-            (Some(lit), Some(surfaces)) => lit.reflected(color(l), surfaces, at, &rays.toward_eye, l),
-            _ => color(l),
-        };
         let mut weight = depth;
-        match self.options.model {
-            Model::EmissionAbsorption => {
-                for l in 0..LANES {
-                    met.depth[l] += depth[l];
-                    let left = exp_neg(met.depth[l]);
-                    weight[l] = met.transmittance[l] - left;
-                    met.transmittance[l] = left;
-                }
-            }
-            Model::Emission | Model::Absorption | Model::Mip => {}
-        }
-        for l in 0..LANES {
-            if weight[l] > 0.0 {
-                let [r, g, b] = shown(l);
-                for (sum, channel) in met.sum[l].iter_mut().zip([r, g, b, 1.0]) {
-                    *sum += weight[l] * channel;
-                }
-            }
-        }
         if self.options.model == Model::EmissionAbsorption {
             for l in 0..LANES {
+                met.depth[l] += depth[l];
+                let left = exp_neg(met.depth[l]);
+                weight[l] = met.transmittance[l] - left;
+                met.transmittance[l] = left;
                 // What is behind cannot be seen.
-                let is_done = met.transmittance[l] < self.options.stop_transmittance;
+                let is_done = left < self.options.stop_transmittance;
                 rays.exit[l] = if is_done { f32::NEG_INFINITY } else { rays.exit[l] };
             }
+        }
+        let mut colors = [[0.0; LANES]; 3];
+        colors_of(&mut colors);
+        if let (Some(lit), Some(surfaces)) = (self.lit, &surfaces) {
+            for l in 0..LANES {
+                if weight[l] > 0.0 {
+                    let color = [0, 1, 2].map(|c| colors[c][l]);
+                    let color = lit.reflected(color, surfaces, at, &rays.toward_eye, l);
+                    (0..3).for_each(|c| colors[c][l] = color[c]);
+                }
+            }
+        }
+        for c in 0..3 {
+            for l in 0..LANES {
+                // A lane without a weight may have no colour either.
+                met.sum[c][l] += if weight[l] > 0.0 { weight[l] * colors[c][l] } else { 0.0 };
+            }
+        }
+        for l in 0..LANES {
+            met.sum[3][l] += weight[l];
         }
     }
 
     /// The pixel of a ray.
     fn pixel(&self, met: &Met, lane: usize) -> [f32; 4] {
-        let [r, g, b, _] = met.sum[lane];
+        let sum = met.sum.map(|channel| channel[lane]);
+        let [r, g, b, _] = sum;
         match self.options.model {
             Model::EmissionAbsorption => [r, g, b, one_minus_exp_neg(met.depth[lane])],
             Model::Emission => [r, g, b, 0.0],
             Model::Absorption => match self.options.output {
-                Output::Intensity => met.sum[lane].map(exp_neg),
-                Output::Depth => met.sum[lane],
+                Output::Intensity => sum.map(exp_neg),
+                Output::Depth => sum,
             },
             Model::Mip if met.largest[lane] == f32::NEG_INFINITY => [0.0; 4],
             Model::Mip => {

@@ -161,10 +161,23 @@ impl<S: Source> Trilinear<'_, S> {
             }
         }
         let mut pairs = [[[<S::Value as bytemuck::Zeroable>::zeroed(); 2]; LANES]; 4];
+        let offsets = [0, row, layer, layer + row];
+        let mut start = [0_u32; LANES];
+        let is_small = layer * self.grid.dims[2] <= u32::MAX as usize;
         for l in 0..LANES {
-            let start = first[0][l] as usize + row * first[1][l] as usize + layer * first[2][l] as usize;
-            for (pair, offset) in [0, row, layer, layer + row].into_iter().enumerate() {
-                pairs[pair][l] = self.source.pair(start + offset);
+            // Vector code, and right where the grid is small.
+            let rows = (first[2][l] as u32).wrapping_mul(self.grid.dims[1] as u32).wrapping_add(first[1][l] as u32);
+            start[l] = rows.wrapping_mul(row as u32).wrapping_add(first[0][l] as u32);
+        }
+        for l in 0..LANES {
+            let start = if is_small {
+                start[l] as usize
+            } else {
+                first[0][l] as usize + row * first[1][l] as usize + layer * first[2][l] as usize
+            };
+            let found = self.source.pairs(start, offsets);
+            for pair in 0..4 {
+                pairs[pair][l] = found[pair];
             }
         }
         for pair in 0..4 {

@@ -13,8 +13,8 @@ pub(super) trait Source: Sync {
     /// Scalar `i`.
     fn get(&self, i: usize) -> Self::Value;
 
-    /// Scalars `i` and `i + 1`.
-    fn pair(&self, i: usize) -> [Self::Value; 2];
+    /// Scalars `start + o` and the one after for each offset o, of which the last is the greatest.
+    fn pairs(&self, start: usize, offsets: [usize; 4]) -> [[Self::Value; 2]; 4];
 }
 
 /// Scalars as the file has them.
@@ -30,9 +30,11 @@ impl<T: Sample> Source for InPlace<'_, T> {
     }
 
     #[inline(always)]
-    fn pair(&self, i: usize) -> [T; 2] {
-        let pair = &self.0[i..i + 2];
-        [pair[0], pair[1]]
+    fn pairs(&self, start: usize, offsets: [usize; 4]) -> [[T; 2]; 4] {
+        // One check for all that depends on the place; the others are the same for every place.
+        let all = &self.0[start..start + (offsets[3] + 2)];
+        let at = |o: usize| [all[o], all[o + 1]];
+        [at(offsets[0]), at(offsets[1]), at(offsets[2]), at(offsets[3])]
     }
 }
 
@@ -52,8 +54,9 @@ impl<T: Sample> Source for Converted<'_, T> {
     }
 
     #[inline(always)]
-    fn pair(&self, i: usize) -> [f32; 2] {
-        [self.get(i), self.get(i + 1)]
+    fn pairs(&self, start: usize, offsets: [usize; 4]) -> [[f32; 2]; 4] {
+        let at = |o: usize| [self.get(start + o), self.get(start + o + 1)];
+        [at(offsets[0]), at(offsets[1]), at(offsets[2]), at(offsets[3])]
     }
 }
 
