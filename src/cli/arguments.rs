@@ -165,7 +165,7 @@ pub(super) fn light(text: &str) -> Result<Light, String> {
     let (direction, color) = text.split_once(':').map_or((text, None), |(direction, color)| (direction, Some(color)));
     let direction: [f64; 3] = numbers(direction, expected)?;
     let color = color.map_or(Ok([1.0; 3]), |color| numbers(color, expected))?;
-    if direction == [0.0; 3] {
+    if direction.iter().all(|&along| along == 0.0) {
         return Err("the direction towards the light is null".to_owned());
     }
     if color.iter().any(|&channel| channel < 0.0) {

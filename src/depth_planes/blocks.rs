@@ -127,7 +127,7 @@ impl Occupancy {
         let (low, high) = (low.map(block), high.map(block));
         // The level at which the box spans three blocks at most.
         let span = (high[0] - low[0]).max(high[1] - low[1]).max(high[2] - low[2]);
-        let level = ((span + 1) / 2).next_power_of_two().ilog2() as usize;
+        let level = span.div_ceil(2).next_power_of_two().ilog2() as usize;
         let level = level.min(self.levels.len() - 1);
         let (dims, flags) = &self.levels[level];
         let at = |place: usize, axis: usize| (place >> level).min(dims[axis] - 1);

@@ -113,7 +113,7 @@ pub fn draw(
     };
 
     let image = with_sampler(field, options.filter, dispatch, |sampler| {
-        for lamp in lit.iter_mut().flat_map(|lit| lit.lamps_mut()).filter(|_| has_shadows) {
+        for lamp in lit.iter_mut().flat_map(Lit::lamps_mut).filter(|_| has_shadows) {
             let toward = lamp.toward_in_grid(&volume.lattice);
             lamp.arriving = Some(LightVolume::new(sampler, &grid, &classifier, toward));
         }

@@ -163,7 +163,7 @@ impl<S: Source> Trilinear<'_, S> {
         let mut pairs = [[[<S::Value as bytemuck::Zeroable>::zeroed(); 2]; LANES]; 4];
         let offsets = [0, row, layer, layer + row];
         let mut start = [0_u32; LANES];
-        let is_small = layer * self.grid.dims[2] <= u32::MAX as usize;
+        let is_small = u32::try_from(layer * self.grid.dims[2]).is_ok();
         for l in 0..LANES {
             // Vector code, and right where the grid is small.
             let rows = (first[2][l] as u32).wrapping_mul(self.grid.dims[1] as u32).wrapping_add(first[1][l] as u32);
@@ -236,9 +236,10 @@ fn beyond(sampler: &dyn Sampler, grid: &Grid, at: &Places, axis: usize, step: f3
         let place = at[axis][l] + step;
         let border = min(max(place, 0.0), upper);
         let reflected = if place < 0.0 { 2.0 * half - place } else { 2.0 * (upper - half) - place };
-        is_outside |= border != place;
+        let is_inside = 0.0 <= place && place <= upper;
+        is_outside |= !is_inside;
         inside[axis][l] = border;
-        mirrored[axis][l] = if border == place { place } else { min(max(reflected, 0.0), upper) };
+        mirrored[axis][l] = if is_inside { place } else { min(max(reflected, 0.0), upper) };
     }
     sampler.sample(&inside, out);
     if is_outside {

@@ -21,6 +21,7 @@ pub(in crate::cli) enum Method {
 
 #[derive(Args)]
 #[group(id = "planes")]
+#[expect(clippy::struct_excessive_bools, reason = "one for each switch of the command line")]
 pub(in crate::cli) struct Planes {
     /// What draws: cells, one by one; or depth-planes, samples of a regular grid (.vti, NRRD, raw …) on planes across the view, nearest
     /// first, on the CPU. The options below are for depth planes.
