@@ -21,7 +21,8 @@ use crate::stages::{View, scene_per_length};
 /// Bytes of a pixel: the picture, its tiles, and the picture that is enlarged.
 const BYTES_PER_PIXEL: u64 = 3 * 16;
 
-/// Draws one frame of a volume on depth planes. Of geometry it has the walls, edges and corners of its box.
+/// Draws one frame of a volume on depth planes. Of geometry it has the walls, edges and corners of its box; `has_depth` asks for
+/// [`Rendered::depth_world`].
 ///
 /// Runs on the threads of the rayon pool it is called in; the picture does not depend on their number.
 ///
@@ -41,7 +42,7 @@ const BYTES_PER_PIXEL: u64 = 3 * 16;
 /// let camera = Camera::framing(&volume.corners_world(), 35.0, 20.0, 32, 32);
 /// let scene = VolumeScene::new(volume, field, &TransferFunction::constant([1.0; 3], 0.2)?);
 /// let walls = GeometryOptions { surface: Some([0.5; 3]), ..GeometryOptions::default() };
-/// let picture = depth_planes(&scene, &camera, &Options::default(), &walls)?;
+/// let picture = depth_planes(&scene, &camera, &Options::default(), &walls, false)?;
 /// assert_eq!(picture.image.pixel(16, 16)[3], 1.0);
 /// # Ok::<(), cellfan::Error>(())
 /// ```
@@ -50,34 +51,50 @@ pub fn depth_planes(
     camera: &Camera,
     options: &Options,
     geometry: &GeometryOptions,
+    has_depth: bool,
 ) -> Result<Rendered> {
     let start = Instant::now();
     options.check()?;
     geometry.check()?;
-    let VolumeScene { volume, field, transfer, blocks } = scene;
+    let VolumeScene { volume, field, transfer, blocks, triangles, external } = scene;
     if let Some(backing) = &volume.backing {
         backing.check()?;
     }
-    let [center, diagonal_world] = extent(volume);
-    let view = View::around(camera, center, diagonal_world.length())?;
+    let [center, diagonal] = scene.extent();
+    let diagonal_world = diagonal.length();
+    let view = View::around(camera, center, diagonal_world)?;
     let [width, height] = view.region.size_px();
     let bytes = u64::from(width) * u64::from(height) * BYTES_PER_PIXEL;
     memory::check(|| format!("drawing a picture of {width}x{height} pixels"), Some(bytes))?;
 
     let mut profile = Profile::default();
-    let opaque = geometry.is_any().then(|| Opaque::new(layers(volume, center, diagonal_world.length(), geometry)));
+    let mut layers = layers(volume, center, diagonal_world, geometry);
+    // Lines and points over all that they lie on.
+    let surfaces = usize::from(geometry.surface.is_some());
+    layers.splice(surfaces..surfaces, triangles.iter().cloned());
+    let external = external.as_ref().map(|external| external.part(view.size_px, view.region)).transpose()?;
+    let opaque = (!layers.is_empty() || external.is_some()).then(|| {
+        let opaque = Opaque::new(layers);
+        match external {
+            Some(part) => opaque.with_external(OpaquePicture::of_external(&part, &view)),
+            None => opaque,
+        }
+    });
     let behind = opaque.as_ref().map(|opaque| profile.time("geometry", || opaque.picture(&view)));
     let blocks = blocks.get_or_init(|| profile.time("blocks", || ValueBlocks::new(field)));
     let medium = Medium { volume, field, blocks, transfer };
-    let end = |x: u32, y: u32| behind.map_or(f64::INFINITY, |behind| depth_world(behind, &view, [x, y]));
+    let end = |x: u32, y: u32| behind.map_or(f64::INFINITY, |behind| behind.depth_world(&view, [x, y]));
     let mut image = profile.time("planes", || draw(medium, camera, options, &end))?;
     if let Some(behind) = behind {
         behind.put_behind(&mut image, view.region, options.model, options.output);
     }
+    let nothing = || vec![f32::INFINITY; image.pixels.len()];
+    let depth_world = has_depth.then(|| behind.map_or_else(nothing, |behind| behind.depths_world(&view, view.region)));
     let cells = volume.cells() as u64;
     Ok(Rendered {
         image,
         bands: None,
+        depth_world,
         cells: CellStats { total: cells, drawn: cells, ..CellStats::default() },
         triangles: 0,
         geometry: super::opaque::stats(opaque.as_ref(), &Counts::default()),
@@ -85,23 +102,6 @@ pub fn depth_planes(
         profile,
         frame_ms: start.elapsed().as_secs_f64() * 1e3,
     })
-}
-
-/// The middle of a volume, and from its lowest to its highest coordinates.
-fn extent(volume: &Volume) -> [DVec3; 2] {
-    let corners = volume.corners_world();
-    let low = corners.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-    let high = corners.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-    [0.5 * low + 0.5 * high, high - low]
-}
-
-/// The view depth at which the ray of a pixel ends, in the world.
-fn depth_world(picture: &OpaquePicture, view: &View, [x, y]: [u32; 2]) -> f64 {
-    let v = f64::from(picture.limit(x as usize, y as usize));
-    if v == f64::NEG_INFINITY {
-        return f64::INFINITY;
-    }
-    view.world_per_scene * if view.is_perspective { 1.0 / v } else { -v }
 }
 
 /// The box of a volume as geometry.

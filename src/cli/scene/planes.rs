@@ -157,12 +157,14 @@ pub(in crate::cli) struct PlanesDrawer {
     pub(super) scene: VolumeScene,
     pub(super) options: Options,
     pub(super) geometry: GeometryOptions,
+    /// Whether depths are asked for.
+    pub(super) depth: bool,
 }
 
 impl PlanesDrawer {
     pub(super) fn draw(&self, camera: &Camera, only_plane: Option<u32>) -> Result<Rendered> {
         let options = Options { only_plane, ..self.options.clone() };
-        depth_planes(&self.scene, camera, &options, &self.geometry)
+        depth_planes(&self.scene, camera, &options, &self.geometry, self.depth)
     }
 
     /// How many planes a view has.
