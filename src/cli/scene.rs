@@ -188,7 +188,7 @@ impl Arguments {
             ("cells", cells.into()),
             ("gpu_memory", self.gpu_memory.into()),
             ("memory", self.memory.into()),
-            ("mesh_triangles", setup.scene.added_triangles().into()),
+            ("mesh_triangles", setup.added_triangles().into()),
             ("no_mmap", self.no_mmap.into()),
             ("threads", rayon::current_num_threads().into()),
             ("transfer", setup.transfer_note.clone().into()),
@@ -238,6 +238,13 @@ impl Setup {
         match &self.drawer {
             Drawer::Cells { scene, .. } => scene.field().name.clone(),
             Drawer::Planes(drawer) => drawer.scene.field().name.clone(),
+        }
+    }
+
+    fn added_triangles(&self) -> u64 {
+        match &self.drawer {
+            Drawer::Cells { scene, .. } => scene.added_triangles(),
+            Drawer::Planes(drawer) => drawer.scene.added_triangles(),
         }
     }
 

@@ -48,6 +48,11 @@ impl VolumeScene {
         Ok(())
     }
 
+    /// How many triangles were added.
+    pub fn added_triangles(&self) -> u64 {
+        self.triangles.iter().map(|layer| layer.list.len() as u64).sum()
+    }
+
     /// Composites the volume with a picture that another program drew from the same place, as
     /// [`Scene::set_external`](super::Scene::set_external).
     pub fn set_external(&mut self, picture: Option<Arc<DepthImage>>) {

@@ -1,12 +1,20 @@
 //! Depth planes against closed forms, against a slow twin in f64 that takes the same samples, and against the ray integral.
 
+use std::sync::Arc;
+
 use cellfan::backends::cpu::InstructionSet;
 use cellfan::columns::{Array, Association, FieldSelection, Lattice, NumericColumn, Volume, VolumeField};
 use cellfan::depth_planes::{
     Classification, Filter, Light, Lighting, Medium, Options, Planes, Samples, ValueBlocks, draw,
 };
-use cellfan::{Camera, ControlPoint, Image, Model, Projection, Region, TransferFunction};
+use cellfan::geometry::{GeometryOptions, TriangleMesh};
+use cellfan::image::DepthImage;
+use cellfan::optics::presets::{self, OpacityProfile};
+use cellfan::render::{VolumeScene, depth_planes};
+use cellfan::{Camera, ControlPoint, Image, Model, Projection, Region, TransferFunction, io};
 use glam::{DMat3, DVec3};
+
+use crate::common::data_folder;
 
 /// A volume with its only array, and what it looks like.
 struct Case {
@@ -482,4 +490,69 @@ fn what_is_not_finite_is_not_drawn() {
     assert_eq!(case.draw(&away, &Options::default()).covered([0.0; 4]), 0);
     let inside = Camera::looking_at([2.2, 2.3, 2.4].into(), [40.0, 1.0, 0.0].into(), 9, 9);
     assert_eq!(case.draw(&inside, &Options::default()).covered([0.0; 4]), 81);
+}
+
+/// A wall of triangles and another program's picture end rays where they are.
+#[test]
+fn opaque_things_stand_in_the_volume() {
+    let transfer = TransferFunction::constant([1.0; 3], 0.5).unwrap();
+    let case = Case::new([5; 3], Lattice::default(), array(Association::Point, vec![1_u8; 125].into()), transfer);
+    let mut scene = VolumeScene::new(case.volume, case.field, &case.transfer);
+    let mut camera = Camera::looking_at([14.0, 2.0, 2.0].into(), [2.0; 3].into(), 9, 9);
+    camera.projection = Projection::Orthographic { height_world: 2.0 };
+    let draw =
+        |scene: &VolumeScene| depth_planes(scene, &camera, &Options::default(), &GeometryOptions::NONE, true).unwrap();
+    let whole = draw(&scene);
+    assert!((whole.image.pixel(4, 4)[0] - (1.0 - (-2.0_f32).exp())).abs() < 1e-5);
+    assert!(whole.depth_world.unwrap().iter().all(|&depth| depth == f32::INFINITY));
+    // A red wall at x = 1.3, 2.7 of 4 units behind the front.
+    let positions = vec![[1.3, -90.0, -90.0], [1.3, 90.0, -90.0], [1.3, 0.0, 90.0]];
+    let wall = TriangleMesh { positions, triangles: vec![[0, 1, 2]], ..TriangleMesh::default() };
+    scene.add_triangles(&wall, Some([1.0, 0.0, 0.0])).unwrap();
+    let walled = draw(&scene);
+    let left = (-0.5 * 2.7_f32).exp();
+    let [r, g, _, a] = walled.image.pixel(4, 4);
+    assert!((r - 1.0).abs() < 1e-4 && (g - (1.0 - left)).abs() < 1e-4 && a == 1.0, "{r} {g} {a} for {left}");
+    assert!((walled.depth_world.unwrap()[40] - 12.7).abs() < 1e-4);
+    // A picture nearer than the wall.
+    let picture = DepthImage::new(Image::filled(9, 9, [0.0, 0.0, 0.5, 1.0]), vec![11.0; 81]).unwrap();
+    scene.set_external(Some(Arc::new(picture)));
+    let [r, _, b, _] = draw(&scene).image.pixel(4, 4);
+    let left = (-0.5_f32).exp();
+    assert!((r - (1.0 - left)).abs() < 1e-4 && (b - (1.0 - 0.5 * left)).abs() < 1e-4, "{r} {b}");
+}
+
+/// Every volume of the shared data shows something, plain and lit.
+#[test]
+fn real_volumes_are_drawn() {
+    let Some(folder) = data_folder("real_volumes_are_drawn") else { return };
+    let files = [
+        "classic/engine.nhdr",
+        "classic/Bucky.nhdr",
+        "regular/heart.vti",
+        "regular/Teddybear.nhdr",
+        "regular/LIDC2.nhdr",
+        "regular/hydrogen.vti",
+        "regular/head.120.vtk",
+        "regular/ironProt.vtk",
+        "regular/carotid.vtk",
+        "formats/volume_complex.vti",
+        "formats/volume_complex.vtk",
+    ];
+    for file in files {
+        let mesh = io::open_mesh(folder.join(file)).unwrap();
+        let io::Mesh::Volume(volume) = mesh else { panic!("{file} is no volume") };
+        let name = volume.arrays[0].name.clone();
+        let field = volume.field(&FieldSelection::parse(&name, &volume.arrays)).unwrap();
+        let camera = Camera::framing(&volume.corners_world(), 35.0, 20.0, 64, 64);
+        let unit = camera.eye.distance(camera.target) / 200.0;
+        let transfer = presets::preset("viridis", field.range, OpacityProfile::default(), unit).unwrap();
+        let scene = VolumeScene::new(volume, field, &transfer);
+        for lighting in [None, Some(Lighting::default())] {
+            let options = Options { lighting, ..Options::default() };
+            let image = depth_planes(&scene, &camera, &options, &GeometryOptions::NONE, false).unwrap().image;
+            let covered = image.pixels.iter().filter(|pixel| pixel[3] > 0.02).count();
+            assert!(covered > 200, "{file}: {covered} pixels");
+        }
+    }
 }
