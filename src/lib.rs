@@ -21,6 +21,7 @@
 //! | [`fog`] | ground fog: prisms on a terrain at a level of detail that follows the eye |
 //! | [`geometry`] | boundary surface, edges and points as opaque primitives in the volume |
 //! | [`backends`] | compositors: cells in order to pixels, on the CPU or (feature `gpu`) a GPU |
+//! | [`depth_planes`] | regular grids sampled on planes across the view |
 //! | [`render`](mod@render) | [`Renderer`]: runs the stages and feeds a backend |
 //! | [`control`] | progress, and the end of a picture before it is done |
 //! | [`session`] | [`Session`]: pictures of a mesh in another program's memory |
@@ -51,6 +52,7 @@ pub mod capi;
 pub mod cells;
 pub mod columns;
 pub mod control;
+pub mod depth_planes;
 pub mod error;
 pub mod fog;
 pub mod generate;

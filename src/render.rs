@@ -4,6 +4,7 @@
 
 mod band_arrays;
 mod bands;
+mod depth_planes;
 mod fog;
 #[cfg(feature = "gpu")]
 mod gpu;
@@ -12,11 +13,14 @@ mod order;
 mod profiled;
 mod scene;
 mod update;
+mod volume_scene;
 
+pub use depth_planes::depth_planes;
 pub use fog::{FogLook, FogRenderer};
 pub use profiled::profile_views;
 pub use scene::Scene;
 pub(crate) use update::Stillness;
+pub use volume_scene::VolumeScene;
 
 use std::sync::Arc;
 use std::time::Instant;

@@ -129,6 +129,11 @@ impl OpaquePicture {
         self.place(x, y).map_or(f32::NEG_INFINITY, |i| self.v[i])
     }
 
+    /// View depth in world units at which the ray of a pixel of the whole picture ends; infinite where it goes on.
+    pub(crate) fn depth_world(&self, view: &View, [x, y]: [u32; 2]) -> f64 {
+        f64::from(depth_of(view, self.limit(x as usize, y as usize)))
+    }
+
     /// Where a pixel of the whole picture is.
     #[inline]
     fn place(&self, x: usize, y: usize) -> Option<usize> {

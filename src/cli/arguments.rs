@@ -3,6 +3,7 @@
 use std::str::FromStr;
 
 use bytesize::ByteSize;
+use cellfan::depth_planes::{Light, Samples};
 use cellfan::io::RawLayout;
 use cellfan::{Error, Region};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -128,6 +129,51 @@ pub(super) fn bytes(text: &str) -> Result<u64, String> {
     text.parse().map(|bytes: ByteSize| bytes.as_u64()).map_err(|_| expected.to_owned())
 }
 
+/// A positive factor.
+pub(super) fn factor(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|&factor: &f64| factor.is_finite() && factor > 0.0)
+        .ok_or_else(|| "expected a number above 0".to_owned())
+}
+
+/// A number that is not negative.
+pub(super) fn number(text: &str) -> Result<f32, String> {
+    text.parse()
+        .ok()
+        .filter(|&number: &f32| number.is_finite() && number >= 0.0)
+        .ok_or_else(|| "expected a number from 0 on".to_owned())
+}
+
+/// `X,Y,PLANES`: numbers, `auto` or `pixels`.
+pub(super) fn samples(text: &str) -> Result<[Samples; 3], String> {
+    let one = |(axis, text): (usize, &str)| match text.trim() {
+        "auto" => Some(Samples::Nyquist),
+        "pixels" if axis < 2 => Some(Samples::Pixels),
+        number => number.parse().ok().filter(|&count: &u32| count > 0).map(Samples::Count),
+    };
+    let three: Option<Vec<Samples>> = text.split(',').enumerate().map(one).collect();
+    three.and_then(|three| three.try_into().ok()).ok_or_else(|| {
+        "expected X,Y,PLANES, each a number from 1 on or auto, X and Y also pixels, such as pixels,pixels,200"
+            .to_owned()
+    })
+}
+
+/// `X,Y,Z[:R,G,B]`: towards a light, and its linear colour.
+pub(super) fn light(text: &str) -> Result<Light, String> {
+    let expected = "X,Y,Z[:R,G,B], the direction towards the light and its colour, such as 1,-1,2:1,0.9,0.8";
+    let (direction, color) = text.split_once(':').map_or((text, None), |(direction, color)| (direction, Some(color)));
+    let direction: [f64; 3] = numbers(direction, expected)?;
+    let color = color.map_or(Ok([1.0; 3]), |color| numbers(color, expected))?;
+    if direction.iter().all(|&along| along == 0.0) {
+        return Err("the direction towards the light is null".to_owned());
+    }
+    if color.iter().any(|&channel| channel < 0.0) {
+        return Err("the light's colour must not be negative".to_owned());
+    }
+    Ok(Light { direction: direction.into(), color: color.map(|channel| channel as f32) })
+}
+
 /// A finite number.
 pub(super) fn finite(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| "expected a number".to_owned())
@@ -187,6 +233,19 @@ mod tests {
         );
         assert_eq!(pixels("1.5"), Ok(1.5));
         assert!(["0.5", "65", "-1", "nan", ""].iter().all(|bad| pixels(bad).is_err()));
+    }
+
+    #[test]
+    fn samples_and_lights() {
+        assert_eq!(samples("pixels,auto,68"), Ok([Samples::Pixels, Samples::Nyquist, Samples::Count(68)]));
+        assert!(
+            ["", "1,1", "1,1,0", "1,1,pixels", "1,1,-1", "1,1,1,1", "a,1,1"].iter().all(|bad| samples(bad).is_err())
+        );
+        let lit = light("0,-1,2:1,0.5,0").unwrap();
+        assert_eq!((lit.direction.to_array(), lit.color), ([0.0, -1.0, 2.0], [1.0, 0.5, 0.0]));
+        assert_eq!(light("1,0,0").map(|light| light.color), Ok([1.0; 3]));
+        assert!(["", "0,0,0", "1,0", "1,0,0:", "1,0,0:1,1", "1,0,0:-1,0,0"].iter().all(|bad| light(bad).is_err()));
+        assert!(factor("0").is_err() && factor("0.25").is_ok() && number("-1").is_err() && number("0").is_ok());
     }
 
     #[test]

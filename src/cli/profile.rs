@@ -77,7 +77,7 @@ fn measure(arguments: &Arguments, setup: &mut Setup, recorder: Option<&Recorder>
             break;
         }
     }
-    report.mesh = setup.scene.mesh_record(&meshes::label(&arguments.meshes).display().to_string());
+    report.mesh = setup.mesh_record(&meshes::label(&arguments.meshes).display().to_string());
     report.before = FrameRecord::new(0, 0.0, &std::mem::take(&mut setup.before)).stages;
     report.settings = arguments.scene.settings(setup);
     report.settings.insert("trace".to_owned(), arguments.trace.is_some().into());

@@ -9,7 +9,7 @@ mod pictures;
 use std::path::Path;
 use std::time::Instant;
 
-use cellfan::image::{Encoding, Format};
+use cellfan::image::{Encoding, Format, check_output};
 use cellfan::optics::Output;
 use cellfan::profile::{GeometryStats, Profile, Stats, peak_rss_bytes};
 use cellfan::{Error, Image, Model, RenderOptions, Rendered, io};
@@ -28,22 +28,30 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         return Err(Error::Option { option: "--output", problem }.into());
     }
     let request = Request::new(&arguments.meshes, &arguments.scene, &arguments.geometry, Some(&arguments.composite))?;
-    let mut pictures = Pictures::create(output_path, encoding(arguments), arguments.frames)?;
     let stats_path = arguments.stats.as_deref().filter(|path| *path != Path::new("-"));
     stats_path.map(io::check_target).transpose()?;
+    let output = encoding(arguments);
+    check_output(&output_path, &output)?;
     let mut setup = request.read()?;
+    let planes = arguments.cross_sections.then(|| setup.plane_count()).transpose()?;
+    let mut pictures = Pictures::create(output_path, output, planes.or(arguments.frames))?;
 
     let mut after = Profile::default();
     let mut frames = Frames::default();
-    let count = arguments.frames.unwrap_or(1);
+    let count = planes.or(arguments.frames).unwrap_or(1);
     {
         let progress = match count {
             1 => Progress::running("drawing"),
             _ => Progress::counting("drawing", count.into()),
         };
         for frame in 0..count {
-            let camera = setup.orbited(frame, count, arguments.orbit);
-            let rendered = setup.draw(&camera)?;
+            let (camera, rendered) = if planes.is_some() {
+                (setup.camera.clone(), setup.draw_plane(frame)?)
+            } else {
+                let camera = setup.orbited(frame, count, arguments.orbit);
+                let rendered = setup.draw(&camera)?;
+                (camera, rendered)
+            };
             let start = Instant::now();
             pictures.push(&rendered)?;
             if let (Some(path), Some(picture)) = (&arguments.composite.depth, rendered.depth_image()) {

@@ -12,9 +12,11 @@ mod composite;
 mod geometry;
 mod heap;
 mod memory;
+mod planes;
 mod summary;
 mod transfer;
 mod view;
+mod volume;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -23,9 +25,10 @@ use std::time::Instant;
 
 use cellfan::image::DepthImage;
 use cellfan::io::{Scratch, container};
-use cellfan::profile::Profile;
+use cellfan::profile::{MeshRecord, Profile};
 use cellfan::{
     Camera, CpuMethod, Dataset, Error, Model, RenderOptions, Rendered, Renderer, Scene, SortMethod, TransferFunction,
+    depth_planes,
 };
 
 pub(super) use arguments::Arguments;
@@ -35,6 +38,7 @@ pub(super) use composite::Composite;
 pub(super) use geometry::Geometry;
 use geometry::ReadTriangles;
 use memory::Memory;
+use planes::PlanesDrawer;
 use serde_json::Value;
 use summary::Summary;
 use transfer::TransferSource;
@@ -54,11 +58,17 @@ pub(super) struct Request<'a> {
     view: ViewSource,
     triangles: ReadTriangles,
     external: Option<Arc<DepthImage>>,
+    planes: depth_planes::Options,
+}
+
+/// What is drawn, by what.
+enum Drawer {
+    Cells { scene: Box<Scene>, renderer: Box<Renderer>, memory: Memory },
+    Planes(Box<PlanesDrawer>),
 }
 
 /// A scene, the first camera, and what draws them.
 pub(super) struct Setup {
-    pub(super) scene: Scene,
     pub(super) camera: Camera,
     pub(super) options: RenderOptions,
     pub(super) backend: Backend,
@@ -67,8 +77,7 @@ pub(super) struct Setup {
     pub(super) before: Profile,
     /// What to call the transfer function.
     pub(super) transfer_note: String,
-    renderer: Renderer,
-    memory: Memory,
+    drawer: Drawer,
 }
 
 impl<'a> Request<'a> {
@@ -85,7 +94,12 @@ impl<'a> Request<'a> {
             meshes,
             arguments,
             options: RenderOptions { geometry: geometry.options(), depth, ..options(arguments)? },
-            backend: Backend::choose(arguments)?,
+            planes: arguments.planes.options(arguments)?,
+            backend: if arguments.planes.are_chosen() {
+                Backend::processor(arguments)?
+            } else {
+                Backend::choose(arguments)?
+            },
             transfer: TransferSource::load(arguments)?,
             bands: BandSource::load(arguments)?,
             triangles: geometry.read()?,
@@ -96,7 +110,10 @@ impl<'a> Request<'a> {
 
     /// Reads the meshes and makes the scene.
     pub(super) fn read(self) -> cellfan::Result<Setup> {
-        let Self { meshes, arguments, options, backend, transfer, bands, view, triangles, external } = self;
+        if self.arguments.planes.are_chosen() {
+            return self.read_volume();
+        }
+        let Self { meshes, arguments, options, backend, transfer, bands, view, triangles, external, .. } = self;
         let label = meshes::label(meshes);
         if arguments.memory.is_some() {
             meshes::check_budget(meshes)?;
@@ -123,8 +140,10 @@ impl<'a> Request<'a> {
                 (transfer, format!("{transfer_note}{bands}"))
             }
         };
-        let (camera, view_note) = view.make(&dataset)?;
-        let summary = Summary::new(&label, &dataset, &field, &view_note, &transfer_note);
+        let (camera, view_note) = view.make(&dataset.corners_world())?;
+        let array = (field.name.as_str(), field.association, field.range);
+        let notes = (view_note.as_str(), transfer_note.as_str());
+        let summary = Summary::new(&label, dataset.counts, !dataset.arrays.is_empty(), array, notes);
         // The arrays are not needed any more.
         dataset.arrays = Vec::new();
         let mut scene = bands.give_to(Scene::new(dataset, field, &transfer)).map_err(|error| error.in_file(&label))?;
@@ -135,8 +154,25 @@ impl<'a> Request<'a> {
 
         let memory = Memory::new(arguments.memory, &scene);
         let options = RenderOptions { memory_bytes: memory.of_frame()?, ..options };
-        let renderer = backend.renderer(options);
-        Ok(Setup { scene, camera, options, backend, summary, before, transfer_note, renderer, memory })
+        let drawer = Drawer::Cells { scene: Box::new(scene), renderer: Box::new(backend.renderer(options)), memory };
+        Ok(Setup { camera, options, backend, summary, before, transfer_note, drawer })
+    }
+
+    /// Reads a volume to be drawn on depth planes.
+    fn read_volume(self) -> cellfan::Result<Setup> {
+        let Self { meshes, arguments, options, backend, transfer, view, planes, triangles, external, .. } = self;
+        let mut before = Profile::default();
+        let volume = volume::read(meshes, arguments, &mut before)?;
+        let start = Instant::now();
+        let label = meshes::label(meshes);
+        let chosen = volume::choose(volume, arguments, &transfer, view, options.model, &label)?;
+        before.add("field", start.elapsed(), 0);
+        let volume::Chosen { mut scene, camera, summary, transfer_note } = chosen;
+        triangles.give_to_volume(&mut scene)?;
+        scene.set_external(external);
+        let drawer = PlanesDrawer { scene, options: planes, geometry: options.geometry, depth: options.depth };
+        let drawer = Drawer::Planes(Box::new(drawer));
+        Ok(Setup { camera, options, backend, summary, before, transfer_note, drawer })
     }
 }
 
@@ -146,18 +182,21 @@ impl Arguments {
         let cells = if self.cells == Some(Cells::Tetrahedra) { "tetrahedra" } else { "whole" };
         let more: [(&str, Value); 11] = [
             ("adapter", setup.backend.adapter().into()),
-            ("array", setup.scene.field().name.clone().into()),
+            ("array", setup.array_name().into()),
             ("backend", setup.backend.name().into()),
-            ("bands", setup.scene.band_names().into()),
+            ("bands", setup.band_names().into()),
             ("cells", cells.into()),
             ("gpu_memory", self.gpu_memory.into()),
             ("memory", self.memory.into()),
-            ("mesh_triangles", setup.scene.added_triangles().into()),
+            ("mesh_triangles", setup.added_triangles().into()),
             ("no_mmap", self.no_mmap.into()),
             ("threads", rayon::current_num_threads().into()),
             ("transfer", setup.transfer_note.clone().into()),
         ];
         let mut settings = setup.options.settings();
+        if self.planes.are_chosen() {
+            settings.insert("method".to_owned(), "depth-planes".into());
+        }
         settings.extend(more.into_iter().map(|(name, value)| (name.to_owned(), value)));
         settings
     }
@@ -166,8 +205,65 @@ impl Arguments {
 impl Setup {
     /// Draws one frame.
     pub(super) fn draw(&mut self, camera: &Camera) -> cellfan::Result<Rendered> {
-        let Self { scene, options, backend, renderer, memory, .. } = self;
-        backend.render(renderer, *options, scene, camera).map_err(|error| memory.in_process(error))
+        let Self { options, backend, drawer, .. } = self;
+        match drawer {
+            Drawer::Cells { scene, renderer, memory } => {
+                backend.render(renderer, *options, scene, camera).map_err(|error| memory.in_process(error))
+            }
+            Drawer::Planes(drawer) => drawer.draw(camera, None),
+        }
+    }
+
+    /// How many depth planes the first view has.
+    pub(super) fn plane_count(&self) -> cellfan::Result<u32> {
+        match &self.drawer {
+            Drawer::Cells { .. } => {
+                let problem = "is for depth planes; add --method depth-planes".to_owned();
+                Err(Error::Option { option: "--cross-sections", problem })
+            }
+            Drawer::Planes(drawer) => drawer.count(&self.camera),
+        }
+    }
+
+    /// Draws one plane of the first view alone.
+    pub(super) fn draw_plane(&mut self, plane: u32) -> cellfan::Result<Rendered> {
+        match &self.drawer {
+            Drawer::Cells { .. } => self.draw(&self.camera.clone()),
+            Drawer::Planes(drawer) => drawer.draw(&self.camera, Some(plane)),
+        }
+    }
+
+    /// What the array is called.
+    fn array_name(&self) -> String {
+        match &self.drawer {
+            Drawer::Cells { scene, .. } => scene.field().name.clone(),
+            Drawer::Planes(drawer) => drawer.scene.field().name.clone(),
+        }
+    }
+
+    fn added_triangles(&self) -> u64 {
+        match &self.drawer {
+            Drawer::Cells { scene, .. } => scene.added_triangles(),
+            Drawer::Planes(drawer) => drawer.scene.added_triangles(),
+        }
+    }
+
+    fn band_names(&self) -> Vec<String> {
+        match &self.drawer {
+            Drawer::Cells { scene, .. } => scene.band_names(),
+            Drawer::Planes(_) => Vec::new(),
+        }
+    }
+
+    /// What a report says of the mesh.
+    pub(super) fn mesh_record(&self, name: &str) -> MeshRecord {
+        match &self.drawer {
+            Drawer::Cells { scene, .. } => scene.mesh_record(name),
+            Drawer::Planes(drawer) => {
+                let volume = drawer.scene.volume();
+                MeshRecord { name: name.to_owned(), cells: volume.cells() as u64, vertices: volume.points() as u64 }
+            }
+        }
     }
 
     /// Says that no frame shows anything.

@@ -28,6 +28,7 @@ pub use layer::{Layer, headlight};
 pub use points::points;
 pub use style::{GeometryOptions, SurfaceFaces};
 pub use surface::surface;
+pub(crate) use triangle_mesh::triangles_around;
 pub use triangle_mesh::{TriangleMesh, triangles};
 
 /// What a list holds.

@@ -1,5 +1,7 @@
 //! Triangles that are no boundary of the mesh: those of another file, beside it.
 
+use glam::DVec3;
+
 use super::{List, Looks, Primitive};
 use crate::columns::Dataset;
 use crate::error::{Error, Result};
@@ -72,8 +74,12 @@ impl TriangleMesh {
 /// # Ok::<(), cellfan::Error>(())
 /// ```
 pub fn triangles(dataset: &Dataset, mesh: &TriangleMesh) -> Result<List> {
+    triangles_around(dataset.origin, scene_per_world(dataset), mesh)
+}
+
+/// The same beside anything else: in scene units, of which there are so many in a world unit, relative to `origin`.
+pub(crate) fn triangles_around(origin: DVec3, scale: f64, mesh: &TriangleMesh) -> Result<List> {
     mesh.check()?;
-    let (scale, origin) = (scene_per_world(dataset), dataset.origin.to_array());
     let mut corners = Vec::with_capacity(3 * mesh.triangles.len());
     for &corner in mesh.triangles.as_flattened() {
         let position = mesh.positions[corner as usize];

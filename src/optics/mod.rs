@@ -34,6 +34,7 @@ pub mod histogram;
 pub mod integral;
 pub mod intervals;
 pub mod lanes;
+pub mod materials;
 mod mip;
 pub mod model;
 pub mod pieces;

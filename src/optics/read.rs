@@ -7,6 +7,7 @@
 mod bands;
 mod csv;
 mod json;
+mod materials;
 mod paraview;
 
 use super::transfer::{TransferFunction, problem};
@@ -37,6 +38,7 @@ impl TransferFunction {
         let text = text.trim_start_matches('\u{feff}');
         let transfer = match file_extension.to_ascii_lowercase().as_str() {
             "json" if paraview::is_paraview(text) => Self::parse_paraview(text, unit_distance, range)?,
+            "json" if materials::is_materials(text) => Self::parse_materials(text, unit_distance)?,
             "json" => Self::parse_json(text, unit_distance)?,
             "csv" | "txt" => Self::parse_csv(text)?,
             other => {

@@ -18,4 +18,4 @@ mod testing;
 mod view;
 
 pub use project::{SceneVertex, ScreenVertex};
-pub use view::{PixelProjection, View, scene_per_world};
+pub use view::{PixelProjection, View, scene_per_length, scene_per_world};

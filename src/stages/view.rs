@@ -48,16 +48,24 @@ impl View {
     /// # Errors
     /// Those of [`Camera::frame`].
     pub fn new(camera: &Camera, dataset: &Dataset) -> Result<Self> {
+        Self::around(camera, dataset.origin, dataset.diagonal_world())
+    }
+
+    /// The view of `camera` on what is so large around `origin`.
+    ///
+    /// # Errors
+    /// Those of [`Camera::frame`].
+    pub fn around(camera: &Camera, origin: DVec3, diagonal_world: f64) -> Result<Self> {
         let Frame { eye, forward, step_x, step_y, is_perspective, size_px, region } = camera.frame()?;
         let [width, height] = size_px.map(f64::from);
-        let near = camera.near.unwrap_or(Self::NEAR_SHARE * dataset.diagonal_world());
-        let scene_per_world = scene_per_world(dataset);
+        let near = camera.near.unwrap_or(Self::NEAR_SHARE * diagonal_world);
+        let scene_per_world = scene_per_length(diagonal_world);
         // Parallel rays move by lengths, rays from the eye by directions.
         let step_scale = if is_perspective { 1.0 } else { scene_per_world };
         let (step_x, step_y) = (step_x * step_scale, step_y * step_scale);
         Ok(Self {
             is_perspective,
-            eye: (eye - dataset.origin) * scene_per_world,
+            eye: (eye - origin) * scene_per_world,
             forward,
             step_x,
             step_y,
@@ -116,7 +124,12 @@ impl View {
 
 /// The power of two that brings the diagonal of `dataset` to 1..2.
 pub fn scene_per_world(dataset: &Dataset) -> f64 {
-    (-dataset.diagonal_world().log2().floor()).exp2()
+    scene_per_length(dataset.diagonal_world())
+}
+
+/// The power of two that brings a length to 1..2.
+pub fn scene_per_length(diagonal_world: f64) -> f64 {
+    (-diagonal_world.log2().floor()).exp2()
 }
 
 /// The map from positions to picture positions and view depth, in f32.

@@ -9,6 +9,7 @@ mod budget;
 mod check;
 #[path = "../common/mod.rs"]
 mod common;
+mod depth_planes;
 mod determinism;
 mod external;
 mod fog;

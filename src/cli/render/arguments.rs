@@ -36,6 +36,9 @@ pub(in crate::cli) struct Arguments {
     /// How far the eye turns about the target over all frames.
     #[arg(long, value_name = "DEGREES", help_heading = "View", default_value = "360", requires = "frames", value_parser = finite, allow_hyphen_values = true)]
     pub(super) orbit: f64,
+    /// Draw each depth plane of the view alone, from the nearest: OUT.0000.png and so on, or one stacked .npy.
+    #[arg(long, help_heading = "Depth planes", conflicts_with = "frames")]
+    pub(super) cross_sections: bool,
     /// Write figures as JSON: cells, order, stages, times; - is stdout.
     #[arg(long, value_name = "STATS.json", help_heading = "Method", allow_hyphen_values = true)]
     pub(super) stats: Option<PathBuf>,

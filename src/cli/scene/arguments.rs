@@ -7,6 +7,7 @@ use cellfan::stages::fans::Faces;
 use cellfan::{CpuMethod, Integral, Model, Region, SortMethod};
 use clap::Args;
 
+use super::planes::Planes;
 use crate::cli::arguments::{Cells, bytes, length, named, one_of, region, size, transmittance, view};
 use crate::cli::meshes::Raw;
 
@@ -31,7 +32,7 @@ pub(in crate::cli) struct Arguments {
     /// [default: one that varies].
     #[arg(long, value_name = "NAME", help_heading = "Picture")]
     pub(super) array: Option<String>,
-    /// Colour and extinction: a .json or .csv file, or viridis, inferno, cool-warm or x-ray over the array's range
+    /// Colour and extinction: a .json (points, or materials by their values) or .csv file, or viridis, inferno, cool-warm or x-ray over the array's range
     /// [default: from the array's histogram].
     #[arg(long, value_name = "TF", help_heading = "Picture")]
     pub(super) transfer: Option<String>,
@@ -106,6 +107,9 @@ pub(in crate::cli) struct Arguments {
     /// [default: as it comes].
     #[arg(long, value_name = "BYTES", help_heading = "Method", value_parser = bytes, allow_hyphen_values = true)]
     pub(in crate::cli) memory: Option<u64>,
+
+    #[command(flatten)]
+    pub(in crate::cli) planes: Planes,
 }
 
 const MODELS: [(&str, &str); 4] = [

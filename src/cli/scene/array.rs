@@ -4,7 +4,7 @@
 //! numbers before whole ones, which are often labels; the first that varies and leaves no cell out for want of a value, or if
 //! there is none, the first that varies. Arrays that only number or mark things are left out. Where nothing is left, the mesh is drawn homogeneous.
 
-use cellfan::columns::{Array, Association, Component};
+use cellfan::columns::{Array, Association, Component, Volume, VolumeField};
 use cellfan::{Dataset, Field, FieldSelection, Result};
 
 /// The field to draw.
@@ -15,7 +15,31 @@ pub(super) fn choose(dataset: &Dataset, name: Option<&str>) -> Result<Field> {
     if let Some(name) = name {
         return dataset.field(&FieldSelection::parse(name, &dataset.arrays));
     }
-    let mut candidates: Vec<&Array> = dataset.arrays.iter().filter(|array| !is_label(array)).collect();
+    let field = |selection: &FieldSelection| dataset.field(selection).ok();
+    let found = first_that_shows(&dataset.arrays, field, |field| (field.range, field.invalid));
+    Ok(found.unwrap_or_else(|| dataset.homogeneous_field()))
+}
+
+/// The field of a volume to draw, chosen in the same way.
+///
+/// # Errors
+/// As [`Volume::field`], for an array that was named.
+pub(super) fn choose_of_volume(volume: &Volume, name: Option<&str>) -> Result<VolumeField> {
+    if let Some(name) = name {
+        return volume.field(&FieldSelection::parse(name, &volume.arrays));
+    }
+    let field = |selection: &FieldSelection| volume.field(selection).ok();
+    let found = first_that_shows(&volume.arrays, field, |field| (field.range, field.invalid));
+    Ok(found.unwrap_or_else(|| volume.homogeneous_field()))
+}
+
+/// The field of the first array that varies and has all its values, or if there is none, of the first that varies.
+fn first_that_shows<F>(
+    arrays: &[Array],
+    field: impl Fn(&FieldSelection) -> Option<F>,
+    range_and_invalid: impl Fn(&F) -> ((f64, f64), u64),
+) -> Option<F> {
+    let mut candidates: Vec<&Array> = arrays.iter().filter(|array| !is_label(array)).collect();
     // Stable: the file's order decides between equals.
     candidates.sort_by_key(|array| (array.association == Association::Cell, array.components > 1, is_whole(array)));
     let mut varying = candidates.into_iter().filter_map(|array| {
@@ -24,13 +48,16 @@ pub(super) fn choose(dataset: &Dataset, name: Option<&str>) -> Result<Field> {
             association: Some(array.association),
             component: Component::Magnitude,
         };
-        dataset.field(&selection).ok().filter(|field| field.range.0 < field.range.1)
+        field(&selection).filter(|field| {
+            let ((low, high), _) = range_and_invalid(field);
+            low < high
+        })
     });
-    let Some(first) = varying.next() else { return Ok(dataset.homogeneous_field()) };
-    if first.invalid == 0 {
-        return Ok(first);
+    let first = varying.next()?;
+    if range_and_invalid(&first).1 == 0 {
+        return Some(first);
     }
-    Ok(varying.find(|field| field.invalid == 0).unwrap_or(first))
+    Some(varying.find(|field| range_and_invalid(field).1 == 0).unwrap_or(first))
 }
 
 fn is_whole(array: &Array) -> bool {

@@ -5,7 +5,7 @@
 //! greys, emission adds up and must not blind, mip shows colours alone; a homogeneous mesh has one extinction.
 
 use arrayvec::ArrayVec;
-use cellfan::columns::{Association, Block};
+use cellfan::columns::{Association, Block, SampleVisitor, Samples, Volume, VolumeField};
 use cellfan::optics::presets::{ColorMap, OpacityProfile, preset};
 use cellfan::{ControlPoint, Dataset, Field, Model, Result, TransferFunction};
 use rayon::prelude::*;
@@ -45,8 +45,32 @@ const DEPTH_KEPT: f64 = 0.1;
 /// [`Error::TransferFunction`](cellfan::Error::TransferFunction) where the mesh's size or the field's range leaves what
 /// can be computed with.
 pub(super) fn automatic(dataset: &Dataset, field: &Field, model: Model) -> Result<(TransferFunction, String)> {
-    let thickness = thickness_world(dataset);
-    if field.range.0 >= field.range.1 {
+    of_values(field.range, thickness_world(dataset), model, || Values::of(dataset, field))
+}
+
+/// The same for a volume.
+///
+/// # Errors
+/// As [`automatic`].
+pub(super) fn automatic_of_volume(
+    volume: &Volume,
+    field: &VolumeField,
+    model: Model,
+) -> Result<(TransferFunction, String)> {
+    let [i, j, k] = [0, 1, 2].map(|axis| volume.lattice.steps().col(axis) * (volume.dims[axis] - 1) as f64);
+    let surface = 2.0 * (i.cross(j).length() + j.cross(k).length() + k.cross(i).length());
+    let thickness = mean_thickness(i.cross(j).dot(k).abs(), surface, (i + j + k).length());
+    of_values(field.range, thickness, model, || Values::of_volume(field))
+}
+
+/// The transfer function of values of which each has its share of a mesh so thick.
+fn of_values(
+    range: (f64, f64),
+    thickness: f64,
+    model: Model,
+    values: impl FnOnce() -> Values,
+) -> Result<(TransferFunction, String)> {
+    if range.0 >= range.1 {
         let (color, depth) = match model {
             Model::Absorption => ([1.0; 3], HOMOGENEOUS_DEPTH),
             Model::Emission => (HOMOGENEOUS_COLOR, 0.3 * HOMOGENEOUS_DEPTH),
@@ -63,11 +87,11 @@ pub(super) fn automatic(dataset: &Dataset, field: &Field, model: Model) -> Resul
         Model::Absorption => (ColorMap::XRay, 0.5),
         Model::Mip => {
             let map = ColorMap::Viridis;
-            let transfer = preset(map.name(), field.range, OpacityProfile::default(), thickness)?;
+            let transfer = preset(map.name(), range, OpacityProfile::default(), thickness)?;
             return Ok((transfer, map.to_string()));
         }
     };
-    let values = Values::of(dataset, field);
+    let values = values();
     let transfer = TransferFunction::from_histogram(&values.histogram, values.range, map, thickness)?;
     let transfer = without_background(&transfer, &values, thickness)?.scaled_extinction(scale)?;
     Ok((transfer, format!("{map} by histogram")))
@@ -88,14 +112,30 @@ impl Values {
         if values.is_empty() {
             values.push((field.range.0 - field.offset) as f32);
         }
-        let last = values.len() - 1;
-        let tail = (last as f64 * TAIL) as usize;
-        let mut at = |place| field.offset + f64::from(*values.select_nth_unstable_by(place, f32::total_cmp).1);
-        let mut range = (at(tail), at(last - tail));
+        let inner = without_tails(&mut values);
+        let mut range = (field.offset + f64::from(inner.0), field.offset + f64::from(inner.1));
         if range.0 >= range.1 {
             range = field.range;
         }
         Self { range, histogram: histogram(dataset, field, range) }
+    }
+
+    /// Of a volume, whose points or cells have all as much of it.
+    fn of_volume(field: &VolumeField) -> Self {
+        let middle = 0.5 * field.range.0 + 0.5 * field.range.1;
+        let mut values = field.visit(Sparse { middle });
+        let inner = without_tails(&mut values);
+        let mut range = (middle + f64::from(inner.0), middle + f64::from(inner.1));
+        if range.0 >= range.1 {
+            range = field.range;
+        }
+        let mut histogram = [0; BINS];
+        let bins_per_unit = BINS as f64 / (range.1 - range.0);
+        for value in values {
+            let bin = ((middle + f64::from(value) - range.0) * bins_per_unit).clamp(0.0, (BINS - 1) as f64);
+            histogram[bin as usize] += 1;
+        }
+        Self { range, histogram }
     }
 
     /// Mean extinction of the values.
@@ -104,6 +144,34 @@ impl Values {
         let value = |bin: usize| low + (high - low) * (bin as f64 + 0.5) / BINS as f64;
         let sum = |sum, (bin, &count): (usize, &u64)| sum + count as f64 * transfer.eval(value(bin)).extinction;
         self.histogram.iter().enumerate().fold(0.0, sum) / self.histogram.iter().sum::<u64>() as f64
+    }
+}
+
+/// The range of all but the rarest values at either end; there is a value.
+fn without_tails(values: &mut [f32]) -> (f32, f32) {
+    let last = values.len() - 1;
+    let tail = (last as f64 * TAIL) as usize;
+    let mut at = |place| *values.select_nth_unstable_by(place, f32::total_cmp).1;
+    (at(tail), at(last - tail))
+}
+
+/// Some of the values of a volume, less the middle of their range.
+struct Sparse {
+    middle: f64,
+}
+
+impl SampleVisitor for Sparse {
+    type Output = Vec<f32>;
+
+    fn visit<T: cellfan::columns::Sample>(self, samples: Samples<'_, T>) -> Vec<f32> {
+        // Odd, so that sides that are powers of two do not show the same columns.
+        let stride = samples.len().div_ceil(CELLS_READ) | 1;
+        let some = (0..samples.len()).step_by(stride).map(|i| (samples.get(i) - self.middle) as f32);
+        let mut values: Vec<f32> = some.filter(|value| value.is_finite()).collect();
+        if values.is_empty() {
+            values.push(0.0);
+        }
+        values
     }
 }
 
@@ -193,8 +261,11 @@ fn thickness_world(dataset: &Dataset) -> f64 {
     let read: usize = dataset.blocks.iter().step_by(stride(dataset)).map(|block| block.cells.len()).sum();
     let volume = volumes.iter().sum::<f64>() * (dataset.cells() as f64 / read as f64);
     let [x, y, z] = (dataset.bounds.max.as_dvec3() - dataset.bounds.min.as_dvec3()).to_array();
-    let surface = 2.0 * (x * y + y * z + z * x);
-    let diagonal = dataset.diagonal_world();
+    mean_thickness(volume, 2.0 * (x * y + y * z + z * x), dataset.diagonal_world())
+}
+
+/// The same from volume, surface of the box, and diagonal.
+fn mean_thickness(volume: f64, surface: f64, diagonal: f64) -> f64 {
     // The diagonal of a cube is √3 edges, its mean chord 2/3 of one.
     let thickness = 1.5 * 3_f64.sqrt() * 4.0 * volume / surface;
     thickness.clamp(1e-3 * diagonal, diagonal)

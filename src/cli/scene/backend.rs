@@ -22,6 +22,26 @@ pub(in crate::cli) struct Backend {
 }
 
 impl Backend {
+    /// The processor, for what no GPU draws.
+    ///
+    /// # Errors
+    /// [`cellfan::Error::Option`] where a GPU was asked for.
+    pub(super) fn processor(arguments: &Arguments) -> cellfan::Result<Self> {
+        if arguments.backend == Wanted::Gpu {
+            let problem = "depth planes are drawn on the CPU; use --method cells".to_owned();
+            return Err(cellfan::Error::Option { option: "--backend gpu", problem });
+        }
+        Ok(Self {
+            #[cfg(feature = "gpu")]
+            gpu: None,
+            #[cfg(feature = "gpu")]
+            gpu_memory_bytes: 0,
+            #[cfg(feature = "gpu")]
+            may_fall_back: false,
+            note: String::new(),
+        })
+    }
+
     /// Says what drew, and why.
     pub(in crate::cli) fn say(&self) {
         if !self.note.is_empty() {

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use cellfan::geometry::{GeometryOptions, SurfaceFaces, TriangleMesh};
+use cellfan::render::VolumeScene;
 use cellfan::{Scene, io};
 use clap::Args;
 
@@ -63,6 +64,14 @@ impl ReadTriangles {
     /// # Errors
     /// Those of [`Scene::add_triangles`].
     pub(super) fn give_to(&self, scene: &mut Scene) -> cellfan::Result<()> {
+        self.0.iter().try_for_each(|(mesh, color)| scene.add_triangles(mesh, *color))
+    }
+
+    /// Gives them to the scene of a volume.
+    ///
+    /// # Errors
+    /// Those of [`VolumeScene::add_triangles`].
+    pub(super) fn give_to_volume(&self, scene: &mut VolumeScene) -> cellfan::Result<()> {
         self.0.iter().try_for_each(|(mesh, color)| scene.add_triangles(mesh, *color))
     }
 }

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use cellfan::columns::{Association, CellCounts};
 use cellfan::profile::{CellStats, Exactness, OrderStats};
-use cellfan::{Dataset, Field};
 
 use crate::cli::numbers::{count, grouped, short};
 
@@ -15,19 +14,25 @@ pub(in crate::cli) struct Summary {
 }
 
 impl Summary {
-    /// Notes mesh, array, view and transfer function.
-    pub(super) fn new(path: &Path, dataset: &Dataset, field: &Field, view: &str, transfer: &str) -> Self {
-        let array = if dataset.arrays.is_empty() && field.range.0 >= field.range.1 {
+    /// Notes mesh, array (its name, what it is over, its range), view and transfer function.
+    pub(super) fn new(
+        path: &Path,
+        counts: CellCounts,
+        has_arrays: bool,
+        (name, association, range): (&str, Association, (f64, f64)),
+        (view, transfer): (&str, &str),
+    ) -> Self {
+        let array = if !has_arrays && range.0 >= range.1 {
             "no array, drawn homogeneous".to_owned()
-        } else if field.name == "homogeneous" {
+        } else if name == "homogeneous" {
             "no array that varies, drawn homogeneous".to_owned()
         } else {
-            let of = if field.association == Association::Point { "point" } else { "cell" };
-            format!("{of} array \"{}\", {} to {}", field.name, short(field.range.0), short(field.range.1))
+            let of = if association == Association::Point { "point" } else { "cell" };
+            format!("{of} array \"{name}\", {} to {}", short(range.0), short(range.1))
         };
-        let cells = count(dataset.counts.in_file, "cell");
+        let cells = count(counts.in_file, "cell");
         let chosen = format!("{}: {cells}; {array}; {transfer}; {view}", path.display());
-        Self { chosen, counts: dataset.counts }
+        Self { chosen, counts }
     }
 
     /// Says it, with the order that the frames had.

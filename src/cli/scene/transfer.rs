@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use cellfan::columns::{Volume, VolumeField};
 use cellfan::optics::presets::{ColorMap, OpacityProfile, preset};
 use cellfan::{Dataset, Error, Field, Model, Result, TransferFunction};
 
 use super::Arguments;
-use super::automatic::automatic;
+use super::automatic::{automatic, automatic_of_volume};
 
 /// What the arguments say about the transfer function.
 pub(super) struct TransferSource {
@@ -50,15 +51,40 @@ impl TransferSource {
     /// # Errors
     /// [`Error::TransferFunction`].
     pub(super) fn make(&self, dataset: &Dataset, field: &Field, model: Model) -> Result<(TransferFunction, String)> {
-        let unit_distance = self.unit_distance.unwrap_or(dataset.diagonal_world() / 100.0);
+        self.over(field.range, dataset.diagonal_world(), || automatic(dataset, field, model))
+    }
+
+    /// The same for a volume.
+    ///
+    /// # Errors
+    /// [`Error::TransferFunction`].
+    pub(super) fn make_for_volume(
+        &self,
+        volume: &Volume,
+        field: &VolumeField,
+        model: Model,
+    ) -> Result<(TransferFunction, String)> {
+        let corners = volume.corners_world();
+        let low = corners.iter().fold(corners[0], |low, &corner| low.min(corner));
+        let high = corners.iter().fold(corners[0], |high, &corner| high.max(corner));
+        self.over(field.range, low.distance(high), || automatic_of_volume(volume, field, model))
+    }
+
+    fn over(
+        &self,
+        range: (f64, f64),
+        diagonal_world: f64,
+        automatic: impl FnOnce() -> Result<(TransferFunction, String)>,
+    ) -> Result<(TransferFunction, String)> {
+        let unit_distance = self.unit_distance.unwrap_or(diagonal_world / 100.0);
         match &self.kind {
-            Kind::Automatic => automatic(dataset, field, model),
+            Kind::Automatic => automatic(),
             Kind::Preset(map) => {
-                let transfer = preset(map.name(), field.range, OpacityProfile::default(), unit_distance)?;
+                let transfer = preset(map.name(), range, OpacityProfile::default(), unit_distance)?;
                 Ok((transfer, map.name().to_owned()))
             }
             Kind::File { path, text } => {
-                Ok((parse(path, text, unit_distance, field.range)?, format!("transfer function {}", path.display())))
+                Ok((parse(path, text, unit_distance, range)?, format!("transfer function {}", path.display())))
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Where the picture is taken from: a camera file, a direction, or the default direction.
 
-use cellfan::{Camera, Dataset, Error, Region, Result};
+use cellfan::{Camera, Error, Region, Result};
+use glam::DVec3;
 
 use super::Arguments;
 
@@ -49,16 +50,15 @@ impl ViewSource {
         (size, region.unwrap_or(Region::whole(size)))
     }
 
-    /// The camera, and what to call it.
+    /// The camera on what has these corners, and what to call it.
     ///
     /// # Errors
     /// [`Error::Camera`] where the mesh cannot be framed.
-    pub(super) fn make(self, dataset: &Dataset) -> Result<(Camera, String)> {
+    pub(super) fn make(self, corners: &[DVec3]) -> Result<(Camera, String)> {
         let (camera, note) = match self {
             Self::Camera(camera) => (camera, "camera file".to_owned()),
             Self::Framing { view: [azimuth, elevation], size: [width, height], region } => {
-                let corners = dataset.bounds.corners().map(|corner| dataset.origin + corner.as_dvec3());
-                let camera = Camera { region, ..Camera::framing(&corners, azimuth, elevation, width, height) };
+                let camera = Camera { region, ..Camera::framing(corners, azimuth, elevation, width, height) };
                 camera.frame()?;
                 (camera, format!("view {azimuth},{elevation}"))
             }

@@ -84,7 +84,12 @@ pub struct Samples<'a, T> {
     component: Component,
 }
 
-impl<T: Sample> Samples<'_, T> {
+impl<'a, T: Sample> Samples<'a, T> {
+    /// The values themselves, where each is a scalar.
+    pub fn scalars(&self) -> Option<&'a [T]> {
+        (self.components == 1).then_some(self.values)
+    }
+
     /// Scalar `i`, widened to double precision.
     ///
     /// # Panics

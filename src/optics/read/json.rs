@@ -43,20 +43,29 @@ impl TransferFunction {
             serde_json::from_str(text).map_err(|error| problem(format!("not a list of points: {error}")))?;
         let unit_distance = file.unit_distance.unwrap_or(unit_distance);
         let point = |(i, point): (usize, Point)| {
-            let extinction = match (point.extinction, point.opacity) {
-                (Some(extinction), None) => extinction,
-                (None, Some(opacity)) => {
-                    check_unit_distance(unit_distance)?;
-                    check_opacity(opacity)?;
-                    extinction_from_opacity(opacity, unit_distance)
-                }
-                (Some(_), Some(_)) => {
-                    return Err(problem(format!("point {} has both extinction and opacity; leave one out", i + 1)));
-                }
-                (None, None) => return Err(problem(format!("point {} has neither extinction nor opacity", i + 1))),
-            };
+            let what = || format!("point {}", i + 1);
+            let extinction = extinction_of(point.extinction, point.opacity, unit_distance, what)?;
             Ok(ControlPoint { value: point.value, color: point.color, extinction })
         };
         Self::new(file.points.into_iter().enumerate().map(point).collect::<Result<_>>()?)
+    }
+}
+
+/// The extinction of an entry that has it, or an opacity over the unit distance.
+pub(super) fn extinction_of(
+    extinction: Option<f64>,
+    opacity: Option<f64>,
+    unit_distance: f64,
+    what: impl Fn() -> String,
+) -> Result<f64> {
+    match (extinction, opacity) {
+        (Some(extinction), None) => Ok(extinction),
+        (None, Some(opacity)) => {
+            check_unit_distance(unit_distance)?;
+            check_opacity(opacity)?;
+            Ok(extinction_from_opacity(opacity, unit_distance))
+        }
+        (Some(_), Some(_)) => Err(problem(format!("{} has both extinction and opacity; leave one out", what()))),
+        (None, None) => Err(problem(format!("{} has neither extinction nor opacity", what()))),
     }
 }
