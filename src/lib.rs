@@ -19,6 +19,7 @@
 //! | [`camera`] | [`Camera`]: the ray through each pixel |
 //! | [`stages`] | cull, classify, sort, fans, footprints, in that order |
 //! | [`fog`] | ground fog: prisms on a terrain at a level of detail that follows the eye |
+//! | [`hierarchy`] | regular grids: the octree of their samples, and the cubes of it that a picture needs |
 //! | [`geometry`] | boundary surface, edges and points as opaque primitives in the volume |
 //! | [`backends`] | compositors: cells in order to pixels, on the CPU or (feature `gpu`) a GPU |
 //! | [`depth_planes`] | regular grids sampled on planes across the view |
@@ -57,6 +58,7 @@ pub mod error;
 pub mod fog;
 pub mod generate;
 pub mod geometry;
+pub mod hierarchy;
 pub mod image;
 pub mod io;
 mod memory;

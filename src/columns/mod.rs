@@ -45,4 +45,4 @@ pub use positions::Positions;
 pub(crate) use spatial_order::UNUSED;
 pub(crate) use split::split_hexahedron;
 pub use tets::{BlockIds, BlockTets, Tets, TetsView};
-pub use volume::{Lattice, SampleVisitor, Samples, Volume, VolumeField};
+pub use volume::{Cube, CubeGrid, GridEye, Lattice, SampleVisitor, Samples, Volume, VolumeField};

@@ -2,6 +2,7 @@
 //!
 //! Nothing of the geometry is stored, and arrays may be those of a mapped file, in place and of any numeric type.
 
+mod cubes;
 mod field;
 mod lattice;
 
@@ -10,6 +11,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+pub use cubes::{Cube, CubeGrid, GridEye};
 pub use field::{SampleVisitor, Samples, VolumeField};
 pub use lattice::Lattice;
 

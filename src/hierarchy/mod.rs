@@ -1,0 +1,21 @@
+//! Hierarchy: an octree over the samples of a regular grid, and the cubes of it that a picture needs.
+//!
+//! In: a [`VolumeField`](crate::columns::VolumeField), in place and in its own type. Out: a [`Hierarchy`] (`build`), and of it a
+//! [`Selection`] of [`Cube`](crate::columns::Cube)s, farthest first (`select`).
+//! To add a rule for what is fine enough: a type that implements [`Accept`], as [`WithinError`] and [`WithinPicture`].
+//!
+//! Source: Schussman and Max 2001, section 6.
+
+mod budget;
+mod build;
+mod leaves;
+mod picture;
+mod select;
+
+pub use budget::{CubeCounts, TimeBudget};
+pub use build::{Hierarchy, Level, Node};
+pub use picture::{WithinPicture, longest_chord_world};
+pub use select::{Accept, Selection, Shows, WithinError};
+
+#[cfg(test)]
+mod tests;
