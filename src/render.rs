@@ -259,6 +259,7 @@ impl Renderer {
         control.check()?;
         let frame = Frame {
             dataset: &scene.dataset,
+            cubes: None,
             field: &scene.field,
             vertices: &scene.vertices,
             pieces: &scene.pieces,

@@ -54,6 +54,12 @@ impl Slice {
 impl DrawOrder {
     /// Projects, culls and sorts.
     pub(super) fn find(&mut self, frame: &Frame, is_ordered: bool, profile: &mut Profile) -> Counts {
+        if let Some(cubes) = &frame.cubes {
+            // They come in order.
+            self.screen.clear();
+            self.pairs.clear();
+            return Counts { drawn: cubes.cubes.len() as u64, ..Counts::default() };
+        }
         let start = Instant::now();
         project_while(frame.control, frame.view, frame.vertices, &mut self.screen);
         profile.add("project", start.elapsed(), frame.vertices.len() as u64 * 32);
@@ -74,14 +80,25 @@ impl DrawOrder {
     /// What the fans of the frame are made from.
     pub(super) fn fan_input<'a>(&'a self, frame: &Frame<'a>, planes_for: PlanesFor) -> FanInput<'a> {
         let style = FanStyle { planes_for, faces: frame.faces };
-        FanInput::new(frame.view, frame.dataset, frame.vertices, &self.screen, frame.cell_values(), style)
+        let input = FanInput::new(frame.view, frame.dataset, frame.vertices, &self.screen, frame.cell_values(), style);
+        match frame.cubes {
+            Some(cubes) => input.with_cubes(cubes),
+            None => input,
+        }
     }
 
     /// Slices of at most `fans` fans, farthest first: nearest first is the order of the keys, blending wants the farthest first.
     pub(super) fn slices<'a>(&'a self, input: &'a FanInput, fans: usize) -> impl Iterator<Item = Slice> + 'a {
-        self.pairs.rchunks((fans / input.fans_per_cell_max()).max(1)).map(move |slice| {
-            let cells = |run: &'_ [Pair]| run.iter().rev().map(|&pair| index_of(pair)).collect::<Vec<u32>>();
-            let runs: Vec<Vec<u32>> = slice.par_rchunks(RUN).map(cells).collect();
+        let per_slice = (fans / input.fans_per_cell_max()).max(1);
+        let len = input.cubes().map_or(self.pairs.len(), |cubes| cubes.cubes.len());
+        let cell = move |place: usize| match input.cubes() {
+            Some(_) => place as u32,
+            None => index_of(self.pairs[len - 1 - place]),
+        };
+        (0..len).step_by(per_slice).map(move |first| {
+            let end = (first + per_slice).min(len);
+            let run = |run: usize| (run..(run + RUN).min(end)).map(cell).collect::<Vec<u32>>();
+            let runs: Vec<Vec<u32>> = (first..end).into_par_iter().step_by(RUN).map(run).collect();
             let fans_of_run = runs.par_iter().map(|run| fans::count(input, run)).collect();
             Slice { runs, fans_of_run }
         })

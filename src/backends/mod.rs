@@ -20,13 +20,16 @@ use crate::optics::{BandPiece, CullTable, Intervals, Pieces};
 use crate::stages::classify::ClassCounts;
 use crate::stages::fans::Faces;
 use crate::stages::sort::KeyMaker;
-use crate::stages::{SceneVertex, View};
+use crate::stages::{CubesInView, SceneVertex, View};
 
 /// Everything a backend reads for one frame.
 #[derive(Clone, Copy)]
 pub struct Frame<'a> {
     /// The mesh.
     pub dataset: &'a Dataset,
+    /// Cubes of a volume that are drawn instead of the mesh's cells, farthest first; the mesh is then one without cells in the
+    /// place of the volume, and says where and how large it is.
+    pub cubes: Option<CubesInView<'a>>,
     /// The scalar field.
     pub field: &'a Field,
     /// Position and scalar of each vertex, in scene units.

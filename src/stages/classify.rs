@@ -3,11 +3,13 @@
 //! In: the four projected vertices of a cell, ascending by index, and its orientation bit.
 //! Out: [`ProjectionClass`] and the roles of the vertices. Front, back or edge-on is the sign of each face's projected area
 //! in that canonical order, so that neighbours decide alike about the face they share. O(1), no branch on coordinates
-//! beyond the four signs. Other kinds of cells: [`polyhedra`].
+//! beyond the four signs. Other kinds of cells: [`polyhedra`]; cubes of a
+//! regular grid: [`cubes`].
 //!
 //! Source: CellFast, figure 3 (Shirley and Tuchman 1990).
 
 mod counts;
+pub mod cubes;
 pub mod polyhedra;
 
 pub use crate::cells::{OPPOSITE_FACES as FACES, OUTWARD_IF_POSITIVE};

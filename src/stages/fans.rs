@@ -9,11 +9,12 @@
 //! A vertex carries (v, q), v the inverse depth and q = s·v (parallel rays: q = s): both are affine on the picture over a
 //! triangle of the fan, so that plain interpolation gives each fragment its exact entry and exit.
 //! In the room of a fan: a tetrahedron's planes ([`PlaneFan`]). Cells with faces of four corners take the room of two
-//! ([`HexFan`]), or as the papers draw them of four ([`CaseFan`]); in such a mesh all cells do, and tetrahedra leave the rest
+//! ([`HexFan`]), or as the papers draw them of four ([`CaseFan`]), as are cubes; in such a mesh all cells do, and tetrahedra leave the rest
 //! empty. To add a record: a file with its layout, its twin in WGSL, its line in [`Contents`].
 
 mod cases;
 mod classes;
+mod cubes;
 mod hexahedra;
 mod planes;
 pub mod polyhedra;
@@ -24,11 +25,11 @@ use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 
 use super::classify::{CellClass, ClassCounts};
-use super::{PixelProjection, SceneVertex, ScreenVertex, View};
+use super::{CubesInView, PixelProjection, SceneVertex, ScreenVertex, View};
 use crate::camera::Region;
 use crate::columns::{Dataset, HexahedraView};
 use cases::Drawn;
-use tetrahedra::Tet;
+use tetrahedra::{Tet, TetFans};
 
 /// One fan as a rasteriser reads it.
 #[repr(C)]
@@ -174,6 +175,8 @@ pub struct FanInput<'a> {
     /// Whether a vertex lies before the near plane, or (planes) far outside the picture, so that cells need care.
     has_near_cells: bool,
     hexahedra: HexahedraView<'a>,
+    /// What is drawn instead of the dataset's cells.
+    cubes: Option<CubesInView<'a>>,
 }
 
 impl<'a> FanInput<'a> {
@@ -197,6 +200,7 @@ impl<'a> FanInput<'a> {
             projection: view.projection(),
             has_near_cells: false,
             hexahedra: dataset.hexahedra.view(),
+            cubes: None,
         };
         input.has_near_cells = screen.par_iter().with_min_len(1 << 14).any(|vertex| input.is_near(vertex));
         input
@@ -209,6 +213,11 @@ impl<'a> FanInput<'a> {
         vertex.depth < self.view.near || (has_planes && is_far_outside(self.view.region, vertex))
     }
 
+    /// Cubes that are drawn instead of the dataset's cells: their numbers are those of cells.
+    pub fn cubes(&self) -> Option<&CubesInView<'a>> {
+        self.cubes.as_ref()
+    }
+
     /// What there may be among the fans.
     pub fn contents(&self) -> Contents {
         let has_planes = match self.planes_for {
@@ -216,6 +225,9 @@ impl<'a> FanInput<'a> {
             PlanesFor::NearCells => self.has_near_cells,
             PlanesFor::AllCells => true,
         };
+        if self.cubes.is_some() {
+            return Contents { has_planes: has_planes && self.has_near_cells, whole_cells: Some(Faces::Fan) };
+        }
         Contents { has_planes, whole_cells: (!self.hexahedra.is_empty()).then_some(self.faces) }
     }
 
@@ -227,7 +239,8 @@ impl<'a> FanInput<'a> {
     /// No cell has more fans than this.
     pub fn fans_per_cell_max(&self) -> usize {
         let Contents { whole_cells, .. } = self.contents();
-        let parts = if whole_cells == Some(Faces::Fan) { cases::PARTS_MAX } else { 1 };
+        let is_split = whole_cells == Some(Faces::Fan) && (self.cubes.is_none() || self.has_near_cells);
+        let parts = if is_split { cases::PARTS_MAX } else { 1 };
         let cuts = if self.has_near_cells && self.planes_for == PlanesFor::NoCells { 3 } else { 1 };
         self.fans_per_record() * parts * cuts
     }
@@ -241,6 +254,9 @@ impl<'a> FanInput<'a> {
     /// How many records a cell has.
     #[inline]
     fn records_of(&self, cell: u32) -> usize {
+        if let Some(cubes) = &self.cubes {
+            return self.records_of_cube(cubes, &cubes.cubes[cell as usize]);
+        }
         if self.is_tet(cell) {
             return self.fans_of(&self.tet(cell));
         }
@@ -279,7 +295,9 @@ pub fn count(input: &FanInput, cells: &[u32]) -> usize {
 pub fn write(input: &FanInput, cells: &[u32], slot: &mut impl FanSlot) -> ClassCounts {
     let mut writer = Writer { input, fans: ArrayVec::new(), slot, by_class: ClassCounts::default() };
     for &cell in cells {
-        if input.is_tet(cell) {
+        if let Some(cubes) = &input.cubes {
+            writer.put_cube(cubes, &cubes.cubes[cell as usize]);
+        } else if input.is_tet(cell) {
             writer.put_tet(&input.tet(cell));
         } else if input.faces == Faces::Exact {
             writer.put(&bytemuck::cast::<_, [Fan; HexFan::FANS]>(input.of_hexahedron(cell as usize)));
@@ -324,8 +342,13 @@ impl<S: FanSlot> Writer<'_, '_, S> {
 
     #[inline]
     fn put_tet(&mut self, tet: &Tet) {
+        self.put_fans(self.input.of_tet(tet));
+    }
+
+    #[inline]
+    fn put_fans(&mut self, fans: TetFans) {
         let fans_per_record = self.input.fans_per_record();
-        for (class, fan) in self.input.of_tet(tet) {
+        for (class, fan) in fans {
             if let Some(class) = class {
                 self.by_class.add(class.into());
             }

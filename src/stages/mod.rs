@@ -6,6 +6,7 @@
 //! To add one: a file with its contract, its slow twin in its tests, a line here, a span in `backends`, a bench group.
 
 pub mod classify;
+mod cubes;
 pub mod cull;
 pub mod fans;
 pub mod footprints;
@@ -17,5 +18,6 @@ pub mod sort;
 mod testing;
 mod view;
 
+pub use cubes::CubesInView;
 pub use project::{SceneVertex, ScreenVertex};
 pub use view::{PixelProjection, View, scene_per_length, scene_per_world};

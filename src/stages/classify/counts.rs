@@ -1,6 +1,8 @@
-//! How many cells of each class were drawn: tetrahedra by [`ProjectionClass`], other cells by [`Case`], as Max 2006, section 6.
+//! How many cells of each class were drawn: tetrahedra by [`ProjectionClass`], other cells by [`Case`], as Max 2006, section 6,
+//! cubes by [`CubeClass`].
 
 use super::ProjectionClass;
+use super::cubes::CubeClass;
 use super::polyhedra::{Case, Projections};
 use crate::cells::{CellKind, HEXAHEDRON, PYRAMID, WEDGE};
 
@@ -10,14 +12,22 @@ static KINDS: [&CellKind; 3] = [&HEXAHEDRON, &WEDGE, &PYRAMID];
 const CASES: [usize; 3] = [8, 5, 5];
 const FIRST_CASE: usize = ProjectionClass::ALL.len();
 const SPLIT: usize = FIRST_CASE + CASES[0] + CASES[1] + CASES[2];
+const FIRST_CUBE: usize = SPLIT + 1;
+const CLASSES: usize = FIRST_CUBE + CubeClass::ALL.len();
 
 /// A class of a cell of any kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CellClass(usize);
 
 /// Cells of each class.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ClassCounts([u64; SPLIT + 1]);
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ClassCounts([u64; CLASSES]);
+
+impl Default for ClassCounts {
+    fn default() -> Self {
+        Self([0; CLASSES])
+    }
+}
 
 impl CellClass {
     /// A cell with a face that is concave or crosses itself on the picture: drawn as tetrahedra, which are counted as such.
@@ -39,6 +49,12 @@ impl From<ProjectionClass> for CellClass {
     }
 }
 
+impl From<CubeClass> for CellClass {
+    fn from(class: CubeClass) -> Self {
+        Self(FIRST_CUBE + class as usize)
+    }
+}
+
 impl ClassCounts {
     /// Counts one more cell.
     #[inline]
@@ -48,7 +64,7 @@ impl ClassCounts {
 
     /// All cells, of split ones the tetrahedra.
     pub fn cells(&self) -> u64 {
-        self.0[..SPLIT].iter().sum()
+        self.0[..SPLIT].iter().sum::<u64>() + self.0[FIRST_CUBE..].iter().sum::<u64>()
     }
 
     /// The triangles that were drawn for them.
@@ -61,7 +77,8 @@ impl ClassCounts {
         let tetrahedra = ProjectionClass::ALL.iter().map(|class| (class.name(), class.triangles()));
         let cases = KINDS.into_iter().filter_map(Projections::of).flat_map(Projections::cases);
         let cases = cases.map(|case| (case.name, case.triangles.len()));
-        let classes = tetrahedra.chain(cases).chain([("split", 0)]);
+        let cubes = CubeClass::ALL.into_iter().map(|class| (class.name(), class.triangles()));
+        let classes = tetrahedra.chain(cases).chain([("split", 0)]).chain(cubes);
         classes.zip(self.0).map(|((name, triangles), cells)| (name, cells, triangles)).collect()
     }
 
@@ -98,7 +115,8 @@ mod tests {
         counts.add(ProjectionClass::Class2.into());
         counts.add(CellClass(places[1]));
         counts.add(CellClass::SPLIT);
-        assert_eq!((counts.cells(), counts.triangles()), (2, 4 + 12));
-        assert_eq!(counts.named()[5..], [("count1", 1), ("split", 1)]);
+        counts.add(CubeClass::ThreeB.into());
+        assert_eq!((counts.cells(), counts.triangles()), (3, 4 + 12 + 12));
+        assert_eq!(counts.named()[5..], [("count1", 1), ("split", 1), ("cube_3b", 1)]);
     }
 }

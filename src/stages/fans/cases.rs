@@ -58,7 +58,7 @@ impl CaseFan {
     pub const TRIANGLES_MAX: usize = 16;
     const MARK: u32 = 1;
 
-    fn new(fans: &CellFans, s_range: [f32; 2]) -> Self {
+    pub(super) fn new(fans: &CellFans, s_range: [f32; 2]) -> Self {
         let mut record =
             Self { s_range, triangle_count: fans.triangles.len() as u32, mark: Self::MARK, ..Self::default() };
         record.vertices[..fans.vertices.len()].copy_from_slice(&fans.vertices);
@@ -118,7 +118,7 @@ impl FanInput<'_> {
     }
 
     /// The tetrahedra of a cell, cut as its faces are, farthest first.
-    fn parts(&self, vertex: [u32; 8], shape: HexShape, constant: Option<f32>) -> ArrayVec<Tet, PARTS_MAX> {
+    pub(super) fn parts(&self, vertex: [u32; 8], shape: HexShape, constant: Option<f32>) -> ArrayVec<Tet, PARTS_MAX> {
         let at = |v: u32| Vec3::from_array(self.vertices[v as usize].position);
         let first_there = |v: u32| vertex.into_iter().filter(|&other| at(other) == at(v)).min().unwrap_or(v);
         let mut parts: ArrayVec<[u32; 4], PARTS_MAX> = split_hexahedron(vertex, shape, first_there).collect();
