@@ -1,11 +1,13 @@
 //! `Renderer`: run the stages in order and feed a backend.
 //!
-//! In: a [`Scene`] (mesh, field, transfer function, bands) and a [`Camera`]. Out: a [`Rendered`] picture with its figures.
+//! In: a [`Scene`] (mesh, field, transfer function, bands), or the [`CubeScene`] of a regular grid, and a [`Camera`]. Out: a
+//! [`Rendered`] picture with its figures.
 
 mod band_arrays;
 mod bands;
 mod depth_planes;
 mod fog;
+mod cubes;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod opaque;
@@ -17,6 +19,7 @@ mod volume_scene;
 
 pub use depth_planes::depth_planes;
 pub use fog::{FogLook, FogRenderer};
+pub use cubes::{CubeScene, CubeStats, Detail};
 pub use profiled::profile_views;
 pub use scene::Scene;
 pub(crate) use update::Stillness;
@@ -176,6 +179,7 @@ pub struct Renderer {
     last_order: Option<order::LastOrder>,
     control: Arc<Control>,
     still: Stillness,
+    cubes: cubes::Cubes,
     #[cfg(feature = "gpu")]
     gpu: Option<GpuCompositor>,
     /// Pictures of so many bytes were found to fit into memory.
@@ -193,7 +197,8 @@ impl Renderer {
     pub fn new(options: RenderOptions) -> Self {
         let mut tiles = TileCompositor::default();
         tiles.set_instruction_set(options.instruction_set);
-        Self { options, tiles, ..Self::default() }
+        let cubes = cubes::Cubes::new(options.instruction_set);
+        Self { options, tiles, cubes, ..Self::default() }
     }
 
     /// Draws what follows with other options; what is kept between frames stays.
@@ -396,6 +401,7 @@ impl Renderer {
         match self.options.cpu_method {
             // Tiles are what footprints are drawn in.
             _ if frame.tiles.is_some() => self.tiles.draw(frame, optics, profile),
+            CpuMethod::Footprints if frame.cubes.is_some() => Ok(self.cubes.draw(frame, optics, profile)),
             CpuMethod::Footprints => self.tiles.draw(frame, optics, profile),
             CpuMethod::Fans => Ok(self.fans.draw(frame, optics, profile)),
         }

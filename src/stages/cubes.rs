@@ -23,8 +23,8 @@ pub struct CubesInView<'a> {
 impl<'a> CubesInView<'a> {
     /// `cubes` of `grid`; `origin` is that of the view's scene, in world coordinates.
     pub fn new(cubes: &'a [Cube], grid: &CubeGrid, origin: DVec3, view: &View) -> Self {
-        let scene_from_world = DAffine3::from_scale(DVec3::splat(view.world_per_scene.recip()))
-            * DAffine3::from_translation(-origin);
+        let scene_from_world =
+            DAffine3::from_scale(DVec3::splat(view.world_per_scene.recip())) * DAffine3::from_translation(-origin);
         let scene_from_grid = scene_from_world * grid.lattice.world_from_grid();
         let grid_from_scene = scene_from_grid.inverse();
         let eye = if view.is_perspective {
@@ -33,6 +33,12 @@ impl<'a> CubesInView<'a> {
             GridEye::Along(grid_from_scene.transform_vector3(-view.forward))
         };
         Self { cubes, dims: grid.dims, eye, scene_from_grid }
+    }
+
+    /// Other cubes of the same grid, in the same view.
+    #[must_use]
+    pub fn with<'b>(&self, cubes: &'b [Cube]) -> CubesInView<'b> {
+        CubesInView { cubes, ..*self }
     }
 
     /// The map from grid coordinates to scene units.

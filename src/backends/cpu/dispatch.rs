@@ -9,6 +9,7 @@
 use std::ops::Range;
 
 use super::composite::{Scratch, composite};
+use super::cubes::{BinnedCube, CubeTile};
 use super::hexahedra;
 use super::hits::Hits;
 use super::log::Log;
@@ -19,6 +20,7 @@ use super::simd::{ByLane, Simd};
 use super::sink::Sink;
 use super::tetrahedra::{self, TetHits};
 use super::tile::TileFrame;
+use crate::backends::Frame;
 use crate::columns::HexShape;
 use crate::optics::{LANES, Optics};
 use crate::stages::SceneVertex;
@@ -140,6 +142,31 @@ impl Kernels {
             InstructionSet::Avx512 => unsafe { keys_avx512(keys, corners, key) },
         }
     }
+
+    /// [`CubeTile::composite`] for this instruction set.
+    pub(super) fn cubes<O: Optics>(self, tile: &mut CubeTile, frame: &Frame, optics: &O, cubes: &[BinnedCube]) {
+        match self.set {
+            InstructionSet::Baseline => tile.composite(frame, optics, cubes),
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: as in `composite`.
+            InstructionSet::Avx2 => unsafe { cubes_avx2(tile, frame, optics, cubes) },
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: as in `composite`.
+            InstructionSet::Avx512 => unsafe { cubes_avx512(tile, frame, optics, cubes) },
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,popcnt,bmi1,bmi2")]
+fn cubes_avx2<O: Optics>(tile: &mut CubeTile, frame: &Frame, optics: &O, cubes: &[BinnedCube]) {
+    tile.composite(frame, optics, cubes);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,popcnt,bmi1,bmi2")]
+fn cubes_avx512<O: Optics>(tile: &mut CubeTile, frame: &Frame, optics: &O, cubes: &[BinnedCube]) {
+    tile.composite(frame, optics, cubes);
 }
 
 #[cfg(target_arch = "x86_64")]

@@ -7,6 +7,7 @@
 //! `crossed` ones with their `hits`; fragments to the `log`) into a `sink` (`blend`, which puts late fragments where they belong; `collect`
 //! and sort per pixel; `sum`) → picture.
 //! Where the view stays as it is, the order is `kept`. Under a memory budget the bins are filled in `bands`, within what `budget` leaves, and blocks collected in `portions`.
+//! Cubes of a volume, which come in order, have tiles of their own (`cubes`).
 //! To add a way to composite: a sink; an instruction set: its kernels in `dispatch`, how it moves lanes in `simd`.
 
 mod bands;
@@ -18,6 +19,7 @@ mod collect;
 mod composite;
 mod compositor;
 mod crossed;
+mod cubes;
 mod dispatch;
 mod fans;
 mod gather;
@@ -40,5 +42,6 @@ mod tile_source;
 mod worker;
 
 pub use compositor::TileCompositor;
+pub use cubes::CubeCompositor;
 pub use dispatch::InstructionSet;
 pub use fans::FanCompositor;

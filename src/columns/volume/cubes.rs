@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::{Lattice, Volume, VolumeField};
-use crate::columns::Association;
+use crate::columns::{Association, Bounds, CellCounts, Dataset, Hexahedra};
 
 /// A box of a volume's samples that has one value: what the octree selects and renderers draw.
 ///
@@ -62,6 +62,29 @@ impl CubeGrid {
             let end = DVec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2 & 1) as f64);
             self.lattice.world(end * DVec3::new(nx, ny, nz))
         })
+    }
+
+    /// A mesh without cells where the cubes are: it tells views and backends their origin and their size.
+    pub fn place(&self) -> Dataset {
+        let corners = self.corners_world();
+        let origin = corners.iter().sum::<DVec3>() / 8.0;
+        Dataset {
+            origin,
+            positions: Vec::new().into(),
+            tets: Vec::new().into(),
+            hexahedra: Hexahedra::none(),
+            positive: std::iter::empty().collect(),
+            file_from_vertex: None,
+            file_from_cell: None,
+            arrays: Vec::new(),
+            array_ranges: Vec::new(),
+            adjacency: None,
+            blocks: Vec::new(),
+            bounds: corners.iter().fold(Bounds::EMPTY, |all, &corner| all.include((corner - origin).as_vec3())),
+            counts: CellCounts::default(),
+            read_bytes: 0,
+            backing: None,
+        }
     }
 }
 

@@ -74,8 +74,20 @@ impl TopologicalCase {
             (false, _) if second < 0.0 => Self::Case10,
             (false, _) if third < 0.0 => Self::Case11,
             (false, _) => Self::Case12,
-            (true, false) if third < 0.0 => if first > second { Self::Case20a } else { Self::Case20b },
-            (true, false) => if first > second { Self::Case21a } else { Self::Case21b },
+            (true, false) if third < 0.0 => {
+                if first > second {
+                    Self::Case20a
+                } else {
+                    Self::Case20b
+                }
+            }
+            (true, false) => {
+                if first > second {
+                    Self::Case21a
+                } else {
+                    Self::Case21b
+                }
+            }
             (true, true) if first > second => Self::Case30a,
             (true, true) if second > third => Self::Case30b,
             (true, true) => Self::Case30c,

@@ -11,14 +11,14 @@
 use arrayvec::ArrayVec;
 use glam::{DVec3, Vec2, Vec3};
 
+use super::cases::PARTS_MAX;
 use super::polyhedra::{CellFans, FanVertex};
 use super::tetrahedra::Tet;
-use super::cases::PARTS_MAX;
 use super::{CaseFan, Fan, FanInput, FanSlot, Writer, is_far_outside};
 use crate::camera::Region;
 use crate::columns::{Cube, GridEye, HexShape};
-use crate::stages::classify::cubes::{ClassifiedCube, CubeClass, classify};
 use crate::stages::classify::CellClass;
+use crate::stages::classify::cubes::{ClassifiedCube, CubeClass, classify};
 use crate::stages::cubes::{CubesInView, corner_between};
 use crate::stages::{SceneVertex, ScreenVertex, View};
 
@@ -61,10 +61,14 @@ const fn triangles<const N: usize>(runs: [Run; 2]) -> [[u8; 3]; N] {
     triangles
 }
 
-static ONE: [[u8; 3]; CubeClass::One.triangles()] = triangles([Run::Fan(&[2, 3, 7, 6, 4, 0, 3]), Run::Fan(&[1, 3, 0, 4, 5, 7, 3])]);
-static TWO: [[u8; 3]; CubeClass::Two.triangles()] = triangles([Run::Fan(&[1, 7, 3, B, A, 4, 5, 7]), Run::Strip(&[7, 3, 6, B, 2, A, 0, 4])]);
-static THREE_A: [[u8; 3]; CubeClass::Two.triangles()] = triangles([Run::Fan(&[A, 6, 2, 0, 4, 5, 1, B, 6]), Run::Fan(&[B, 1, 5, 7, 3, 2, 6])]);
-static THREE_B: [[u8; 3]; CubeClass::Two.triangles()] = triangles([Run::Fan(&[A, 6, B, 1, 0, 4, 5, 7, 6]), Run::Fan(&[B, 6, 7, 3, 2, 0, 1])]);
+static ONE: [[u8; 3]; CubeClass::One.triangles()] =
+    triangles([Run::Fan(&[2, 3, 7, 6, 4, 0, 3]), Run::Fan(&[1, 3, 0, 4, 5, 7, 3])]);
+static TWO: [[u8; 3]; CubeClass::Two.triangles()] =
+    triangles([Run::Fan(&[1, 7, 3, B, A, 4, 5, 7]), Run::Strip(&[7, 3, 6, B, 2, A, 0, 4])]);
+static THREE_A: [[u8; 3]; CubeClass::Two.triangles()] =
+    triangles([Run::Fan(&[A, 6, 2, 0, 4, 5, 1, B, 6]), Run::Fan(&[B, 1, 5, 7, 3, 2, 6])]);
+static THREE_B: [[u8; 3]; CubeClass::Two.triangles()] =
+    triangles([Run::Fan(&[A, 6, B, 1, 0, 4, 5, 7, 6]), Run::Fan(&[B, 6, 7, 3, 2, 0, 1])]);
 
 static TEMPLATES: [Template; 4] = [
     Template { triangles: &ONE, thick: &[0, 1, 2, 3], crossings: &[] },
@@ -86,8 +90,7 @@ struct Slab {
 impl Slab {
     fn new(face: u8, [low, high]: [DVec3; 2], eye: GridEye) -> Self {
         let axis = usize::from(face / 2);
-        let (enter, leave) =
-            if face % 2 == 0 { (low[axis], high[axis]) } else { (high[axis], low[axis]) };
+        let (enter, leave) = if face % 2 == 0 { (low[axis], high[axis]) } else { (high[axis], low[axis]) };
         let depth = match eye {
             GridEye::At(eye) => (enter - eye[axis]) / (leave - eye[axis]),
             GridEye::Along(direction) => (enter - leave) / direction[axis],
@@ -179,7 +182,8 @@ impl<'a> FanInput<'a> {
         let shape = HexShape::new(HEXAHEDRON.map(|i| corners[i]), numbers);
         let numbers = if shape.is_mirrored() { HexShape::mirrored(numbers) } else { numbers };
         let outer: FanInput = *self;
-        let tets = FanInput { vertices: &vertices, screen: &screen, cubes: None, ..outer }.parts(numbers, shape, Some(value));
+        let tets =
+            FanInput { vertices: &vertices, screen: &screen, cubes: None, ..outer }.parts(numbers, shape, Some(value));
         CubeParts { vertices, screen, tets }
     }
 }

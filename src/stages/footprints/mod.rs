@@ -230,8 +230,9 @@ impl PixelBoxes {
         self.around(low - margin, high + margin)
     }
 
+    /// The pixels whose centres lie between two picture positions; `None` if there is none.
     #[inline]
-    fn around(&self, low: Vec2, high: Vec2) -> Option<PixelBox> {
+    pub(crate) fn around(&self, low: Vec2, high: Vec2) -> Option<PixelBox> {
         // Pixel centres are whole numbers: the first at or after the low edge, the last at or before the high one.
         let first = (low - self.pad_px).ceil().clamp(self.first_px, self.end_px);
         let end = ((high + self.pad_px).floor() + 1.0).clamp(self.first_px, self.end_px);
