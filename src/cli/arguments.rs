@@ -174,6 +174,15 @@ pub(super) fn light(text: &str) -> Result<Light, String> {
     Ok(Light { direction: direction.into(), color: color.map(|channel| channel as f32) })
 }
 
+/// A share that is not negative: 18% or 0.18.
+pub(super) fn share(text: &str) -> Result<f64, String> {
+    let (number, scale) = text.strip_suffix('%').map_or((text, 1.0), |percent| (percent, 100.0));
+    let share = number.trim().parse().ok().filter(|&number: &f64| number.is_finite() && number >= 0.0);
+    share
+        .map(|share| share / scale)
+        .ok_or_else(|| "expected a share that is not negative, such as 18% or 0.18".to_owned())
+}
+
 /// A finite number.
 pub(super) fn finite(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| "expected a number".to_owned())
@@ -245,6 +254,8 @@ mod tests {
         assert_eq!((lit.direction.to_array(), lit.color), ([0.0, -1.0, 2.0], [1.0, 0.5, 0.0]));
         assert_eq!(light("1,0,0").map(|light| light.color), Ok([1.0; 3]));
         assert!(["", "0,0,0", "1,0", "1,0,0:", "1,0,0:1,1", "1,0,0:-1,0,0"].iter().all(|bad| light(bad).is_err()));
+        assert_eq!((share("18%"), share("0.18"), share("0")), (Ok(0.18), Ok(0.18), Ok(0.0)));
+        assert!(["", "%", "-1%", "nan", "inf%", "18 percent"].iter().all(|bad| share(bad).is_err()));
         assert!(factor("0").is_err() && factor("0.25").is_ok() && number("-1").is_err() && number("0").is_ok());
     }
 

@@ -11,6 +11,7 @@ mod curvilinear;
 mod device;
 mod frames;
 mod hexahedra;
+mod hierarchy;
 mod record;
 mod scaling;
 mod session;
@@ -45,6 +46,8 @@ enum Benchmark {
     Cellfast(cellfast::Arguments),
     /// Classify and draw hexahedra: cases and times (Max 2006, section 6).
     Hexahedra(hexahedra::Arguments),
+    /// The octree of a regular grid: error, cubes, triangles, selection and rendering (Schussman and Max 2001, figure 9).
+    Hierarchy(hierarchy::Arguments),
     /// Frames by cells, by threads and by pixels.
     Scaling(scaling::Arguments),
     /// Each stage alone: ns a cell, GB/s, share of the machine's measured memory bandwidth.
@@ -56,6 +59,7 @@ Examples:
   cellfan bench sort --max-keys 10000000
   cellfan bench cellfast spx.vtk --json - | jq .results
   cellfan bench scaling --max-cells 100000000 --time 1800
+  cellfan bench hierarchy engine.raw --raw 256x256x110:u8
   cellfan bench stages --threads 8 --record benches/records
 
 With CELLFAN_COMMIT in the environment, of the build or of the run, records name that commit.";
@@ -72,6 +76,7 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         Benchmark::Sort(arguments) => sort::run(arguments, &mut session),
         Benchmark::Cellfast(arguments) => cellfast::run(arguments, &mut session),
         Benchmark::Hexahedra(arguments) => hexahedra::run(arguments, &mut session),
+        Benchmark::Hierarchy(arguments) => hierarchy::run(arguments, &mut session),
         Benchmark::Scaling(arguments) => scaling::run(arguments, &mut session),
         Benchmark::Stages(arguments) => stages::run(arguments, &mut session),
     }?;

@@ -9,6 +9,7 @@ mod automatic;
 mod backend;
 mod bands;
 mod composite;
+mod cubes;
 mod geometry;
 mod heap;
 mod memory;
@@ -26,6 +27,7 @@ use std::time::Instant;
 use cellfan::image::DepthImage;
 use cellfan::io::{Scratch, container};
 use cellfan::profile::{MeshRecord, Profile};
+use cellfan::render::Detail;
 use cellfan::{
     Camera, CpuMethod, Dataset, Error, Model, RenderOptions, Rendered, Renderer, Scene, SortMethod, TransferFunction,
     depth_planes,
@@ -35,6 +37,7 @@ pub(super) use arguments::Arguments;
 use backend::Backend;
 use bands::BandSource;
 pub(super) use composite::Composite;
+use cubes::CubesDrawer;
 pub(super) use geometry::Geometry;
 use geometry::ReadTriangles;
 use memory::Memory;
@@ -59,12 +62,15 @@ pub(super) struct Request<'a> {
     triangles: ReadTriangles,
     external: Option<Arc<DepthImage>>,
     planes: depth_planes::Options,
+    /// How fine cubes are, where they draw.
+    cubes: Option<Detail>,
 }
 
 /// What is drawn, by what.
 enum Drawer {
     Cells { scene: Box<Scene>, renderer: Box<Renderer>, memory: Memory },
     Planes(Box<PlanesDrawer>),
+    Cubes(Box<CubesDrawer>),
 }
 
 /// A scene, the first camera, and what draws them.
@@ -89,12 +95,16 @@ impl<'a> Request<'a> {
         composite: Option<&Composite>,
     ) -> cellfan::Result<Self> {
         let view = ViewSource::load(arguments)?;
+        let triangles = geometry.read()?;
+        let external = composite.map(|composite| composite.read(&view)).transpose()?.flatten();
         let depth = composite.is_some_and(|composite| composite.depth.is_some());
+        let has_others = depth || external.is_some() || !triangles.is_empty();
         Ok(Self {
             meshes,
             arguments,
             options: RenderOptions { geometry: geometry.options(), depth, ..options(arguments)? },
             planes: arguments.planes.options(arguments)?,
+            cubes: arguments.cubes.detail(arguments, &geometry.options(), has_others)?,
             backend: if arguments.planes.are_chosen() {
                 Backend::processor(arguments)?
             } else {
@@ -102,15 +112,15 @@ impl<'a> Request<'a> {
             },
             transfer: TransferSource::load(arguments)?,
             bands: BandSource::load(arguments)?,
-            triangles: geometry.read()?,
-            external: composite.map(|composite| composite.read(&view)).transpose()?.flatten(),
+            triangles,
+            external,
             view,
         })
     }
 
     /// Reads the meshes and makes the scene.
     pub(super) fn read(self) -> cellfan::Result<Setup> {
-        if self.arguments.planes.are_chosen() {
+        if self.arguments.planes.are_chosen() || self.cubes.is_some() {
             return self.read_volume();
         }
         let Self { meshes, arguments, options, backend, transfer, bands, view, triangles, external, .. } = self;
@@ -158,9 +168,9 @@ impl<'a> Request<'a> {
         Ok(Setup { camera, options, backend, summary, before, transfer_note, drawer })
     }
 
-    /// Reads a volume to be drawn on depth planes.
+    /// Reads a volume to be drawn on depth planes or as cubes.
     fn read_volume(self) -> cellfan::Result<Setup> {
-        let Self { meshes, arguments, options, backend, transfer, view, planes, triangles, external, .. } = self;
+        let Self { meshes, arguments, options, backend, transfer, view, planes, cubes, triangles, external, .. } = self;
         let mut before = Profile::default();
         let volume = volume::read(meshes, arguments, &mut before)?;
         let start = Instant::now();
@@ -170,8 +180,20 @@ impl<'a> Request<'a> {
         let volume::Chosen { mut scene, camera, summary, transfer_note } = chosen;
         triangles.give_to_volume(&mut scene)?;
         scene.set_external(external);
-        let drawer = PlanesDrawer { scene, options: planes, geometry: options.geometry, depth: options.depth };
-        let drawer = Drawer::Planes(Box::new(drawer));
+        let drawer = match cubes {
+            None => {
+                let drawer = PlanesDrawer { scene, options: planes, geometry: options.geometry, depth: options.depth };
+                Drawer::Planes(Box::new(drawer))
+            }
+            Some(detail) => {
+                let size = [scene.volume().cells(), scene.volume().points()];
+                let start = Instant::now();
+                let scene = scene.into_cubes().map_err(|error| error.in_file(&label))?;
+                before.add("hierarchy", start.elapsed(), scene.hierarchy().nodes() * 12);
+                before.sample_memory();
+                Drawer::Cubes(Box::new(CubesDrawer { scene, renderer: backend.renderer(options), detail, size }))
+            }
+        };
         Ok(Setup { camera, options, backend, summary, before, transfer_note, drawer })
     }
 }
@@ -197,6 +219,9 @@ impl Arguments {
         if self.planes.are_chosen() {
             settings.insert("method".to_owned(), "depth-planes".into());
         }
+        if let Drawer::Cubes(drawer) = &setup.drawer {
+            settings.insert("method".to_owned(), format!("cubes, {:?}", drawer.detail).into());
+        }
         settings.extend(more.into_iter().map(|(name, value)| (name.to_owned(), value)));
         settings
     }
@@ -208,16 +233,18 @@ impl Setup {
         let Self { options, backend, drawer, .. } = self;
         match drawer {
             Drawer::Cells { scene, renderer, memory } => {
-                backend.render(renderer, *options, scene, camera).map_err(|error| memory.in_process(error))
+                let draw = |renderer: &mut Renderer| renderer.render(scene, camera);
+                backend.render(renderer, *options, draw).map_err(|error| memory.in_process(error))
             }
             Drawer::Planes(drawer) => drawer.draw(camera, None),
+            Drawer::Cubes(drawer) => drawer.draw(backend, *options, camera),
         }
     }
 
     /// How many depth planes the first view has.
     pub(super) fn plane_count(&self) -> cellfan::Result<u32> {
         match &self.drawer {
-            Drawer::Cells { .. } => {
+            Drawer::Cells { .. } | Drawer::Cubes(_) => {
                 let problem = "is for depth planes; add --method depth-planes".to_owned();
                 Err(Error::Option { option: "--cross-sections", problem })
             }
@@ -228,7 +255,7 @@ impl Setup {
     /// Draws one plane of the first view alone.
     pub(super) fn draw_plane(&mut self, plane: u32) -> cellfan::Result<Rendered> {
         match &self.drawer {
-            Drawer::Cells { .. } => self.draw(&self.camera.clone()),
+            Drawer::Cells { .. } | Drawer::Cubes(_) => self.draw(&self.camera.clone()),
             Drawer::Planes(drawer) => drawer.draw(&self.camera, Some(plane)),
         }
     }
@@ -238,6 +265,7 @@ impl Setup {
         match &self.drawer {
             Drawer::Cells { scene, .. } => scene.field().name.clone(),
             Drawer::Planes(drawer) => drawer.scene.field().name.clone(),
+            Drawer::Cubes(drawer) => drawer.scene.field().name.clone(),
         }
     }
 
@@ -245,13 +273,14 @@ impl Setup {
         match &self.drawer {
             Drawer::Cells { scene, .. } => scene.added_triangles(),
             Drawer::Planes(drawer) => drawer.scene.added_triangles(),
+            Drawer::Cubes(_) => 0,
         }
     }
 
     fn band_names(&self) -> Vec<String> {
         match &self.drawer {
             Drawer::Cells { scene, .. } => scene.band_names(),
-            Drawer::Planes(_) => Vec::new(),
+            Drawer::Planes(_) | Drawer::Cubes(_) => Vec::new(),
         }
     }
 
@@ -259,6 +288,7 @@ impl Setup {
     pub(super) fn mesh_record(&self, name: &str) -> MeshRecord {
         match &self.drawer {
             Drawer::Cells { scene, .. } => scene.mesh_record(name),
+            Drawer::Cubes(drawer) => drawer.mesh_record(name),
             Drawer::Planes(drawer) => {
                 let volume = drawer.scene.volume();
                 MeshRecord { name: name.to_owned(), cells: volume.cells() as u64, vertices: volume.points() as u64 }

@@ -2,7 +2,7 @@
 //!
 //! Source: Schussman and Max 2001.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use super::{Rendered, Renderer};
@@ -258,6 +258,7 @@ impl Renderer {
         view: &View,
     ) -> Result<(Rendered, CubeStats)> {
         let start = Instant::now();
+        let control = Arc::clone(&self.control);
         let mut profile = Profile::default();
         let mut selection = std::mem::take(&mut self.cubes.selection);
         let in_view = CubesInView::new(&[], &scene.grid, scene.place.origin, view);
@@ -281,9 +282,11 @@ impl Renderer {
             faces: self.options.faces,
             stop_transmittance: self.options.stop_transmittance,
             memory_bytes: None,
+            control: &control,
+            still: None,
             opaque: None,
         };
-        let drawn = self.draw(&frame, &mut profile);
+        let drawn = self.draw(&frame, &mut profile).and_then(|drawn| control.check().map(|()| drawn));
         let frame_ms = start.elapsed().as_secs_f64() * 1e3;
         let select_ms = selecting.as_secs_f64() * 1e3;
         let Selection { visited, transparent, invalid, .. } = selection;
@@ -315,6 +318,7 @@ impl Renderer {
         let rendered = Rendered {
             image,
             bands: None,
+            depth_world: None,
             cells,
             triangles: counts.triangles,
             geometry: GeometryStats::default(),

@@ -4,6 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 
+use super::CubeScene;
 use crate::columns::{Volume, VolumeField};
 use crate::depth_planes::ValueBlocks;
 use crate::error::Result;
@@ -75,6 +76,14 @@ impl VolumeScene {
     /// The scalar.
     pub fn field(&self) -> &VolumeField {
         &self.field
+    }
+
+    /// The same as cubes, with the octree of its samples.
+    ///
+    /// # Errors
+    /// Those of [`CubeScene::new`].
+    pub fn into_cubes(self) -> Result<CubeScene> {
+        CubeScene::new(&self.volume, self.field, &self.transfer)
     }
 
     /// Shows the field with another transfer function.

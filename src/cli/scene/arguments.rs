@@ -7,6 +7,7 @@ use cellfan::stages::fans::Faces;
 use cellfan::{CpuMethod, Integral, Model, Region, SortMethod};
 use clap::Args;
 
+use super::cubes::Cubes;
 use super::planes::Planes;
 use crate::cli::arguments::{Cells, bytes, length, named, one_of, region, size, transmittance, view};
 use crate::cli::meshes::Raw;
@@ -110,6 +111,9 @@ pub(in crate::cli) struct Arguments {
 
     #[command(flatten)]
     pub(in crate::cli) planes: Planes,
+
+    #[command(flatten)]
+    pub(super) cubes: Cubes,
 }
 
 const MODELS: [(&str, &str); 4] = [

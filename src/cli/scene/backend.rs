@@ -1,11 +1,11 @@
 //! What draws: chosen once, said in one line, and left for the processor where `auto` chose a GPU that fails.
 
-use cellfan::{Camera, RenderOptions, Rendered, Renderer, Scene};
 #[cfg(feature = "gpu")]
 use cellfan::{
     CpuMethod, Error,
     backends::gpu::{Gpu, GpuCompositor, adapters},
 };
+use cellfan::{RenderOptions, Rendered, Renderer};
 
 use super::arguments::{Arguments, Backend as Wanted};
 
@@ -94,16 +94,15 @@ impl Backend {
         &mut self,
         renderer: &mut Renderer,
         options: RenderOptions,
-        scene: &Scene,
-        camera: &Camera,
+        mut draw: impl FnMut(&mut Renderer) -> cellfan::Result<Rendered>,
     ) -> cellfan::Result<Rendered> {
-        match renderer.render(scene, camera) {
+        match draw(renderer) {
             Err(error) if self.may_fall_back && self.gpu.is_some() && is_of_the_gpu(&error) => {
                 tracing::warn!("{error}; drawing on the CPU instead");
                 self.note.clear();
                 self.gpu = None;
                 *renderer = Renderer::new(options);
-                renderer.render(scene, camera)
+                draw(renderer)
             }
             result => result,
         }
@@ -168,10 +167,9 @@ impl Backend {
         &mut self,
         renderer: &mut Renderer,
         _: RenderOptions,
-        scene: &Scene,
-        camera: &Camera,
+        mut draw: impl FnMut(&mut Renderer) -> cellfan::Result<Rendered>,
     ) -> cellfan::Result<Rendered> {
-        renderer.render(scene, camera)
+        draw(renderer)
     }
 
     pub(in crate::cli) fn name(&self) -> &'static str {

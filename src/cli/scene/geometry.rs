@@ -74,6 +74,11 @@ impl ReadTriangles {
     pub(super) fn give_to_volume(&self, scene: &mut VolumeScene) -> cellfan::Result<()> {
         self.0.iter().try_for_each(|(mesh, color)| scene.add_triangles(mesh, *color))
     }
+
+    /// Whether there is none.
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
 }
 
 impl Geometry {

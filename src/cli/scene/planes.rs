@@ -17,15 +17,18 @@ pub(in crate::cli) enum Method {
     Cells,
     /// On planes across the view.
     DepthPlanes,
+    /// Cubes of an octree of the samples.
+    Cubes,
 }
 
 #[derive(Args)]
 #[group(id = "planes")]
 #[expect(clippy::struct_excessive_bools, reason = "one for each switch of the command line")]
 pub(in crate::cli) struct Planes {
-    /// What draws: cells, one by one; or depth-planes, samples of a regular grid (.vti, NRRD, raw …) on planes across the view, nearest
-    /// first, on the CPU. The options below are for depth planes.
-    #[arg(long, help_heading = "Depth planes", default_value = "cells", value_parser = one_of([("cells", Method::Cells), ("depth-planes", Method::DepthPlanes)]))]
+    /// What draws: cells, one by one; depth-planes, samples of a regular grid (.vti, NRRD, raw …) on planes across the view, nearest
+    /// first, on the CPU; or cubes, boxes of the samples of such a grid, of one value each, from their octree. The options below are
+    /// for depth planes.
+    #[arg(long, help_heading = "Depth planes", default_value = "cells", value_parser = one_of([("cells", Method::Cells), ("depth-planes", Method::DepthPlanes), ("cubes", Method::Cubes)]))]
     pub(super) method: Method,
     /// What is interpolated between points: the scalar, which is classified then, or colour and extinction, classified before
     /// [default: post].
@@ -77,6 +80,11 @@ pub(in crate::cli) struct Planes {
 }
 
 impl Planes {
+    /// What draws.
+    pub(super) fn method(&self) -> Method {
+        self.method
+    }
+
     /// Whether depth planes draw.
     pub(super) fn are_chosen(&self) -> bool {
         self.method == Method::DepthPlanes

@@ -35,7 +35,7 @@ pub(super) fn read(paths: &[PathBuf], arguments: &Arguments, profile: &mut Profi
     };
     let Some(Mesh::Volume(volume)) = mesh else {
         let problem = format!(
-            "depth-planes draws one regular grid (.vti, NRRD, structured points, raw samples), which {} is not",
+            "it draws one regular grid (.vti, NRRD, structured points, raw samples), which {} is not",
             meshes::label(paths).display()
         );
         return Err(Error::Option { option: "--method", problem });

@@ -57,12 +57,12 @@ impl CubeCompositor {
         let kernels = Kernels::new(self.instruction_set);
         let bins = &self.bins;
         let rays = CubeRays::new(cubes, frame.view);
-        let tiles = Mutex::new(TileSource::new(region, &grid, &grid.rows, &mut image.pixels));
+        let tiles = Mutex::new(TileSource::new(region, &grid, &grid.rows, &mut image.pixels, &mut []));
         let next = || lock(&tiles).next();
         (0..rayon::current_num_threads()).into_par_iter().with_max_len(1).for_each(|_| {
             let mut tile = CubeTile::default();
             let mut nearest_first = Vec::new();
-            while let Some(LentTile { tile: number, first, rows }) = next() {
+            while let Some(LentTile { tile: number, first, rows, .. }) = next() {
                 bins.cubes_of(number, &mut nearest_first);
                 if nearest_first.is_empty() {
                     continue;
