@@ -9,6 +9,7 @@ mod budget;
 mod check;
 #[path = "../common/mod.rs"]
 mod common;
+mod cubes;
 mod depth_planes;
 mod determinism;
 mod external;

@@ -104,7 +104,7 @@ impl Reference {
 }
 
 /// The world ray through picture position (x, y), pixel centres at halves.
-fn ray_of(camera: &Camera, x: f64, y: f64) -> Ray {
+pub(crate) fn ray_of(camera: &Camera, x: f64, y: f64) -> Ray {
     let forward = (camera.target - camera.eye).normalize();
     let right = forward.cross(camera.up).normalize();
     let down = forward.cross(right);

@@ -73,7 +73,7 @@ fn areas(fans: &CellFans, corners: [Vec3; 8], projection: &crate::stages::PixelP
 #[test]
 fn fans_cover_half_the_area_of_the_projected_faces_in_every_case_and_are_as_thick_as_the_cube() {
     let (mut cases, mut worst_area, mut worst_depth) = (HashMap::new(), 0.0_f64, 0.0_f64);
-    let (mut checked, mut caught) = (0, 0);
+    let (mut checked, mut caught, mut triangles) = (0, 0, 0);
     for grid in grids() {
         let (place, all) = (grid.place(), cubes());
         for view in views(&place, &grid) {
@@ -114,30 +114,39 @@ fn fans_cover_half_the_area_of_the_projected_faces_in_every_case_and_are_as_thic
                 let seen = in_view.corners(ends).map(|corner| screen_vertex(projection.project(corner)));
                 let fans = fans_of(&input, &in_view, &classified, ends, (&seen, cube.value));
                 let grid_from_scene = in_view.scene_from_grid().inverse();
-                for vertex in &fans.vertices {
-                    let [x, y] = vertex.position_px.map(f64::from);
-                    let (origin, direction) = ray(&view, x, y);
+                // In the middle of each triangle, where a rasteriser's interpolation has the mean of its corners.
+                for triangle in fans.triangles {
+                    let corners = triangle.map(|i| fans.vertices[usize::from(i)]);
+                    if area(&corners.map(|corner| DVec2::from_array(corner.position_px.map(f64::from)))) < 1.0 {
+                        continue;
+                    }
+                    let mean = |of: fn(&FanVertex) -> f32| corners.iter().map(|c| f64::from(of(c))).sum::<f64>() / 3.0;
+                    let (origin, direction) = ray(&view, mean(|c| c.position_px[0]), mean(|c| c.position_px[1]));
                     let (o, d) =
                         (grid_from_scene.transform_point3(origin), grid_from_scene.transform_vector3(direction));
                     let at = ends.map(|end| (end - o) / d);
-                    let (enter, leave) = (at[0].min(at[1]).max_element(), at[0].max(at[1]).min_element());
-                    let depth = |[v, q]: [f32; 2]| {
-                        assert!((if view.is_perspective { q / v } else { q } - 0.5).abs() < 1e-6);
-                        f64::from(if view.is_perspective { 1.0 / v } else { -v })
-                    };
-                    let length = depth(vertex.back) - depth(vertex.front);
-                    worst_depth = worst_depth.max((length - (leave - enter).max(0.0)).abs());
+                    let expected = [at[0].min(at[1]).max_element(), at[0].max(at[1]).min_element()];
+                    let found =
+                        [[mean(|c| c.front[0]), mean(|c| c.front[1])], [mean(|c| c.back[0]), mean(|c| c.back[1])]];
+                    for ([v, q], expected) in found.into_iter().zip(expected) {
+                        let (depth, value) = if view.is_perspective { (1.0 / v, q / v) } else { (-v, q) };
+                        assert!((value - 0.5).abs() < 1e-6);
+                        worst_depth = worst_depth.max((depth - expected).abs());
+                        triangles += 1;
+                    }
                 }
             }
         }
     }
-    println!("{cases:?}, area within {worst_area:.1e} px, length within {worst_depth:.1e} scene units");
+    println!(
+        "{cases:?}, area within {worst_area:.1e} px, depths of {triangles} triangles within {worst_depth:.1e} scene units"
+    );
     println!("the mirrored fans are wrong for {caught} of {checked} cubes");
     // Along parallel rays a face is never turned away by a distance.
     assert!(TopologicalCase::ALL.iter().all(|case| cases.contains_key(case)), "{cases:?}");
     assert!(worst_area < 2e-3, "{worst_area}");
-    // A vertex on the outline is off by some 1e-4 px; a face seen at a low angle is deep there.
-    assert!(worst_depth < 2e-3, "{worst_depth}");
+    // A vertex is off by some 1e-5 px; a face seen at a low angle is deep there.
+    assert!(triangles > 10_000 && worst_depth < 1e-3, "{worst_depth}");
     assert!(caught * 10 > checked * 9, "{caught} of {checked}");
 }
 
@@ -170,7 +179,7 @@ fn cubes_across_the_near_plane_are_parts_and_counts_are_exact() {
                 assert!(slot.is_empty(), "the count is exact");
                 let in_front = in_view.corners(in_view.ends(cube)).map(|corner| view.projection().project(corner).z);
                 let is_cut = in_front.iter().any(|&depth| depth < view.near);
-                assert!(!is_cut || CaseFan::of_record(&fans[..CaseFan::FANS]).is_none());
+                assert!(!is_cut || fans.get(..CaseFan::FANS).is_none_or(|record| CaseFan::of_record(record).is_none()));
                 parts += usize::from(is_cut && in_front.iter().any(|&depth| depth > view.near));
             }
             assert!(parts > 20, "{parts}");
