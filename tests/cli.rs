@@ -9,6 +9,8 @@ mod common;
 mod container;
 #[path = "cli/depth_planes.rs"]
 mod depth_planes;
+#[path = "cli/cubes.rs"]
+mod cubes;
 #[path = "cli/errors.rs"]
 mod errors;
 #[path = "cli/geometry.rs"]

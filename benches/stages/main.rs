@@ -1,7 +1,7 @@
 //! One stage at a time: `stage/<stage>`, and `optics/integral`; inputs are made outside the timer, where each
 //! stage also runs once and its answer is checked.
 //!
-//! All but `sort` on large inputs, its `topological` and `check`, and `composite`, run on one thread. Kernels are timed for the instruction set that the
+//! All but `sort` on large inputs, its `topological` and `check`, `composite`, and the building of `hierarchy`, run on one thread. Kernels are timed for the instruction set that the
 //! benchmark is compiled for; the CPU backend, and so `composite`, chooses at run time. Bytes are those a stage reads and writes, once each.
 //! `cellfan bench stages` measures the same stages on a mesh of any size against the memory's bandwidth.
 
@@ -11,6 +11,7 @@ mod composite;
 mod fans;
 mod footprints;
 mod hexahedra;
+mod hierarchy;
 mod integral;
 mod near;
 mod order;
@@ -31,6 +32,7 @@ criterion_group!(
     hexahedra::bench_hexahedra,
     hexahedra::bench_footprints,
     hexahedra::bench_whole_fans,
+    hierarchy::bench_hierarchy,
     sort::bench_sort,
     order::bench_order,
     topological::bench_topological,

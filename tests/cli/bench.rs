@@ -213,3 +213,24 @@ fn names_in(folder: &std::path::Path) -> Vec<String> {
     let entries = std::fs::read_dir(folder).unwrap();
     entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
 }
+
+#[test]
+fn an_octree_is_measured_beside_the_papers() {
+    let place = Place::new();
+    let found = record(&place, "hierarchy --errors 0,18%,48%");
+    let rows = rows(&found, "rows");
+    assert_eq!(rows.len(), 3);
+    let cubes: Vec<u64> = rows.iter().map(|row| row["cubes"].as_u64().unwrap()).collect();
+    assert!(cubes[0] > cubes[1] && cubes[1] > cubes[2] && cubes[2] > 0, "{cubes:?}");
+    for row in rows {
+        for time in ["select_one_thread", "select", "footprints"] {
+            is_a_time(&row[time]);
+        }
+        // Ten or twelve triangles a cube.
+        let (cubes, triangles) = (row["cubes"].as_u64().unwrap(), row["triangles"].as_u64().unwrap());
+        assert!((10 * cubes..=12 * cubes).contains(&triangles), "{row}");
+    }
+    is_a_time(&found["results"]["build"]);
+    let ran = bench(&place, "hierarchy").succeeds();
+    assert!(ran.out.contains("18 %") && ran.out.contains("5,200,000"), "{}", ran.out);
+}
