@@ -59,7 +59,8 @@ impl<'a> WithinPicture<'a> {
             for s in [low.max(self.pieces.start_of(k)), high.min(self.pieces.end_of(k))] {
                 let of_color = piece.color_at(s);
                 let by_channel = (0..3).map(|c| (of_color[c] - color[c]).abs()).fold(0.0, f32::max);
-                largest = [largest[0].max((piece.extinction_at(s) - extinction).abs()), largest[1].max(by_channel)];
+                largest =
+                    [largest[0].max((piece.extinction_at(s).max(0.0) - extinction).abs()), largest[1].max(by_channel)];
             }
         }
         largest

@@ -205,7 +205,8 @@ impl Renderer {
                 let kept = self.cubes.budget.filter(|kept| kept.budget_ms().total_cmp(&budget_ms).is_eq());
                 let mut budget = kept.unwrap_or(TimeBudget::new(budget_ms));
                 let is_first = !budget.is_known();
-                let is_still = !is_first && self.cubes.last_view.replace(view) == Some(view);
+                let is_same = self.cubes.last_view.replace(view) == Some(view);
+                let is_still = is_same && !is_first;
                 let mut tries = 0;
                 loop {
                     tries += 1;

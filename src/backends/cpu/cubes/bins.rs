@@ -45,7 +45,7 @@ impl CubeBins {
     pub(super) fn fill(&mut self, cubes: &CubesInView, view: &View, grid: &TileGrid) -> u64 {
         let _span = tracing::trace_span!("footprints").entered();
         let per_run = cubes.cubes.len().div_ceil(RUNS_PER_THREAD * rayon::current_num_threads()).max(RUN_MIN);
-        let boxes = CubeBoxes::new(cubes, view);
+        let boxes = CubeBoxes::new(cubes, view, grid);
         self.runs.resize_with(cubes.cubes.len().div_ceil(per_run), Run::default);
         let runs = self.runs.par_iter_mut().zip(cubes.cubes.par_chunks(per_run));
         runs.map(|(run, some)| {
@@ -111,7 +111,7 @@ struct CubeBoxes<'a> {
 }
 
 impl<'a> CubeBoxes<'a> {
-    fn new(cubes: &'a CubesInView<'a>, view: &'a View) -> Self {
+    fn new(cubes: &'a CubesInView<'a>, view: &'a View, grid: &TileGrid) -> Self {
         let (to_x, to_y) = (view.step_x / view.step_x.length_squared(), view.step_y / view.step_y.length_squared());
         let of_vector = |v: DVec3| {
             let w = v.dot(view.forward);
@@ -124,7 +124,9 @@ impl<'a> CubeBoxes<'a> {
         let steps = [map.matrix3.x_axis, map.matrix3.y_axis, map.matrix3.z_axis].map(of_vector);
         let origin = of_vector(map.translation - view.eye - from_corner);
         let origin = DVec3::new(origin.x, origin.y, (map.translation - view.eye).dot(view.forward));
-        Self { cubes, view, boxes: PixelBoxes::new(view).within(view.region), origin, steps }
+        // All pixels of the tiles: blocks at the edge of a region end as they do in the whole picture.
+        let boxes = PixelBoxes::new(view).within(grid.pixels(view.size_px));
+        Self { cubes, view, boxes, origin, steps }
     }
 
     /// The pixels that a cube may cover; `None` if there is none.
@@ -195,7 +197,7 @@ mod tests {
             let mut bins = CubeBins::default();
             let drawn = bins.fill(&cubes, &view, &tiles);
             assert!(drawn > 500, "{drawn}");
-            let boxes = CubeBoxes::new(&cubes, &view);
+            let boxes = CubeBoxes::new(&cubes, &view, &tiles);
             let mut entries = 0;
             for tile in 0..tiles.len() {
                 let [column, row] = tiles.place(tile);
