@@ -69,7 +69,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let first = picture(&mut session, "first picture", &camera, &options)?;
     let second = picture(&mut session, "another view", &turned, &options)?;
-    println!("    the first picture with its session takes {:.2} times the second", (new + first).as_secs_f64() / second.as_secs_f64());
+    println!(
+        "    the first picture with its session takes {:.2} times the second",
+        (new + first).as_secs_f64() / second.as_secs_f64()
+    );
     for step in [1, 0] {
         let start = Instant::now();
         session.update_scalars(Association::Point, Scalars::F32(&values[step]))?;

@@ -5,9 +5,9 @@
 
 mod band_arrays;
 mod bands;
+mod cubes;
 mod depth_planes;
 mod fog;
-mod cubes;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod opaque;
@@ -17,9 +17,9 @@ mod scene;
 mod update;
 mod volume_scene;
 
+pub use cubes::{CubeScene, CubeStats, Detail};
 pub use depth_planes::depth_planes;
 pub use fog::{FogLook, FogRenderer};
-pub use cubes::{CubeScene, CubeStats, Detail};
 pub use profiled::profile_views;
 pub use scene::Scene;
 pub(crate) use update::Stillness;

@@ -7,10 +7,10 @@ mod bench;
 mod common;
 #[path = "cli/container.rs"]
 mod container;
-#[path = "cli/depth_planes.rs"]
-mod depth_planes;
 #[path = "cli/cubes.rs"]
 mod cubes;
+#[path = "cli/depth_planes.rs"]
+mod depth_planes;
 #[path = "cli/errors.rs"]
 mod errors;
 #[path = "cli/geometry.rs"]
