@@ -142,7 +142,7 @@ fn volume(read: cellfan::Result<Volume>) -> Result<(), String> {
         let field = volume.field(&FieldSelection::parse(&array.name, &volume.arrays));
         assert!(field.is_err() || field.is_ok_and(|field| field.range.0 <= field.range.1));
     }
-    if volume.points() <= 1 << 16
+    if volume.points() <= 1 << 12
         && let Ok(dataset) = Mesh::from(volume).into_whole_dataset()
     {
         check(&dataset);

@@ -159,11 +159,13 @@ impl Straight {
     /// From sample to sample, and where the first is.
     fn along(&self, axis: usize, size: usize) -> (f64, f64) {
         let of = |numbers: &Option<Vec<f64>>| numbers.as_ref().map(|numbers| numbers[axis]);
+        // NaN: its writer did not know.
+        let border = |numbers: &Option<Vec<f64>>| of(numbers).filter(|border| !border.is_nan());
         // An axis from border to border has a cell a sample, one from sample to sample a cell less.
         let cells = if self.is_cell[axis] { size } else { (size - 1).max(1) };
-        let from_borders = || Some((of(&self.maxs)? - of(&self.mins)?) / cells as f64);
+        let from_borders = || Some((border(&self.maxs)? - border(&self.mins)?) / cells as f64);
         let spacing = of(&self.spacings).or_else(from_borders).unwrap_or(1.0);
-        let first = of(&self.mins).unwrap_or(0.0);
-        (spacing, if self.is_cell[axis] && self.mins.is_some() { first + 0.5 * spacing } else { first })
+        let middle = if self.is_cell[axis] { 0.5 * spacing } else { 0.0 };
+        (spacing, border(&self.mins).map_or(0.0, |border| border + middle))
     }
 }

@@ -33,6 +33,7 @@ fn axes_without_directions_have_spacings_and_borders() {
     assert_eq!(values(&plain, 0), (0..12).map(f64::from).collect::<Vec<_>>());
     let spaced = of("spacings: 0.5 2 1e1\naxis mins: 7 8 9");
     assert_eq!(spaced.lattice, Lattice::new(DVec3::new(7.0, 8.0, 9.0), DVec3::new(0.5, 2.0, 10.0)));
+    assert_eq!(of("axis mins: nan 0 nan\naxis maxs: 3 nan 1").lattice, Lattice::default(), "unknown");
     // The middle of the first of two cells from 8 to 12 is at 9; samples from 8 to 12 are 4 apart.
     let borders = of("axis mins: 0 8 8\naxis maxs: 3 12 12\ncenters: node cell node");
     assert_eq!(borders.lattice, Lattice::new(DVec3::new(0.0, 9.0, 8.0), DVec3::new(1.5, 2.0, 4.0)));
