@@ -121,22 +121,35 @@ impl March<'_> {
     #[inline(always)]
     fn sample(&self, plane: usize, rays: &mut Rays, met: &mut Met) {
         let [front, back] = [self.edges[plane], self.edges[plane + 1]];
-        let mut length: Lanes = [0.0; LANES];
+        let (mut depth, mut length): (Lanes, Lanes) = ([0.0; LANES], [0.0; LANES]);
+        match &self.depths {
+            None => {
+                for l in 0..LANES {
+                    let (from, to) = (max(front, rays.enter[l]), min(back, rays.exit[l]));
+                    depth[l] = 0.5 * (from + to);
+                    length[l] = max(to - from, 0.0) * rays.length[l];
+                }
+            }
+            // The paper's: a plane's point counts whole where it is in the grid.
+            Some(depths) => {
+                let at = depths[plane];
+                for l in 0..LANES {
+                    let is_in = rays.enter[l] <= at && at <= rays.exit[l];
+                    depth[l] = at;
+                    length[l] = if is_in { (back - front) * rays.length[l] } else { 0.0 };
+                }
+            }
+        }
         let mut at: Places = [[0.0; LANES]; 3];
         let mut is_met = [0; LANES];
         for l in 0..LANES {
-            let (from, to) = (max(front, rays.enter[l]), min(back, rays.exit[l]));
-            let (mut depth, mut share) = (0.5 * (from + to), max(to - from, 0.0));
-            if let Some(depths) = &self.depths {
-                // The paper's: a plane's point counts whole where it is in the grid.
-                depth = depths[plane];
-                share = if rays.enter[l] <= depth && depth <= rays.exit[l] { back - front } else { 0.0 };
-            }
-            length[l] = share * rays.length[l];
             is_met[l] = mask(length[l] > 0.0);
-            for axis in 0..3 {
-                let place = rays.origin[axis][l] + depth * rays.step[axis][l];
-                at[axis][l] = min(max(place, 0.0), self.upper[axis]);
+        }
+        for axis in 0..3 {
+            let upper = self.upper[axis];
+            for l in 0..LANES {
+                let place = rays.origin[axis][l] + depth[l] * rays.step[axis][l];
+                at[axis][l] = min(max(place, 0.0), upper);
             }
         }
         if !is_any(&is_met) {
