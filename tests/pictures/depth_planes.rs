@@ -540,7 +540,7 @@ fn real_volumes_are_drawn() {
         "formats/volume_complex.vtk",
     ];
     for file in files {
-        let mesh = io::open_mesh(folder.join(file)).unwrap();
+        let mesh = io::open_mesh(&folder.join(file)).unwrap();
         let io::Mesh::Volume(volume) = mesh else { panic!("{file} is no volume") };
         let name = volume.arrays[0].name.clone();
         let field = volume.field(&FieldSelection::parse(&name, &volume.arrays)).unwrap();
