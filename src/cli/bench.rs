@@ -11,6 +11,7 @@ mod curvilinear;
 mod device;
 mod frames;
 mod hexahedra;
+mod polyhedra;
 mod record;
 mod scaling;
 mod session;
@@ -45,6 +46,8 @@ enum Benchmark {
     Cellfast(cellfast::Arguments),
     /// Classify and draw hexahedra: cases and times (Max 2006, section 6).
     Hexahedra(hexahedra::Arguments),
+    /// Draw polyhedra without and with an order: frames/s, MIP to emission (Roettger and Ertl 2003, figure 4).
+    Polyhedra(polyhedra::Arguments),
     /// Frames by cells, by threads and by pixels.
     Scaling(scaling::Arguments),
     /// Each stage alone: ns a cell, GB/s, share of the machine's measured memory bandwidth.
@@ -72,6 +75,7 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         Benchmark::Sort(arguments) => sort::run(arguments, &mut session),
         Benchmark::Cellfast(arguments) => cellfast::run(arguments, &mut session),
         Benchmark::Hexahedra(arguments) => hexahedra::run(arguments, &mut session),
+        Benchmark::Polyhedra(arguments) => polyhedra::run(arguments, &mut session),
         Benchmark::Scaling(arguments) => scaling::run(arguments, &mut session),
         Benchmark::Stages(arguments) => stages::run(arguments, &mut session),
     }?;

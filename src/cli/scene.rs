@@ -97,6 +97,7 @@ impl<'a> Request<'a> {
     /// Reads the meshes and makes the scene.
     pub(super) fn read(self) -> cellfan::Result<Setup> {
         let Self { meshes, arguments, options, backend, transfer, bands, view, triangles, external } = self;
+        let meshes = &arguments.at_time(meshes)?;
         let label = meshes::label(meshes);
         if arguments.memory.is_some() {
             meshes::check_budget(meshes)?;
@@ -141,6 +142,14 @@ impl<'a> Request<'a> {
 }
 
 impl Arguments {
+    /// The meshes, at the time that was asked for.
+    fn at_time(&self, meshes: &[PathBuf]) -> cellfan::Result<Vec<PathBuf>> {
+        match self.time {
+            Some(time) => meshes.iter().map(|path| io::openfoam_time(path, time)).collect(),
+            None => Ok(meshes.to_vec()),
+        }
+    }
+
     /// Everything that was chosen and may change what frames take, by name.
     pub(super) fn settings(&self, setup: &Setup) -> BTreeMap<String, Value> {
         let cells = if self.cells == Some(Cells::Tetrahedra) { "tetrahedra" } else { "whole" };

@@ -36,6 +36,7 @@ mod monoid;
 mod opaque;
 mod order;
 mod parity;
+mod polyhedra;
 mod polyhedron;
 mod real;
 mod reference;

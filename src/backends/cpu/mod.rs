@@ -3,8 +3,8 @@
 //! In: a [`Frame`](super::Frame) and an optical model. Out: an [`Image`](crate::image::Image), [`Counts`](super::Counts),
 //! spans in a [`Profile`](crate::profile::Profile).
 //! `compositor`: `project` → `bins` (per `block` of cells `cull`, `footprints`, `sort` keys; scatter to tiles) → per tile, by a
-//! `worker`: sort, `composite` a `tile` (sixteen cells at a time: `gather` corners, `planes`, rays that meet `tetrahedra`, or `hexahedra` and
-//! `crossed` ones with their `hits`; fragments to the `log`) into a `sink` (`blend`, which puts late fragments where they belong; `collect`
+//! `worker`: sort, `composite` a `tile` (sixteen cells at a time: `gather` corners, `planes`, rays that meet `tetrahedra`, or `hexahedra`,
+//! `crossed` ones and `polyhedra` with their `hits` and `parts`; fragments to the `log`) into a `sink` (`blend`, which puts late fragments where they belong; `collect`
 //! and sort per pixel; `sum`) → picture.
 //! Under a memory budget the bins are filled in `bands`, within what `budget` leaves, and blocks collected in `portions`.
 //! To add a way to composite: a sink; an instruction set: its kernels in `dispatch`, how it moves lanes in `simd`.
@@ -26,7 +26,9 @@ mod grid;
 mod hexahedra;
 mod hits;
 mod log;
+mod parts;
 mod planes;
+mod polyhedra;
 mod portions;
 mod prefetch;
 mod simd;
