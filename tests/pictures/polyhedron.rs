@@ -108,7 +108,9 @@ impl Polyhedron {
             let w = [w0.max(near), w1.min(far)];
             let s = w.map(|w| s0 + (s1 - s0) * ((w - w0) / (w1 - w0)));
             let length_world = (w[1] - w[0]) * ray.direction.length();
-            (w[0] < w[1]).then_some(Segment { w, s, length_world, cell: self.index })
+            // Triangles of a face that is not convex overlap: a ray beside it crosses two of them at one depth.
+            let least = 1e-9 * self.radius_squared.sqrt() / ray.direction.length();
+            (w[1] - w[0] > least).then_some(Segment { w, s, length_world, cell: self.index })
         };
         crossings.chunks(2).filter_map(part).collect()
     }

@@ -108,12 +108,12 @@ pub(super) fn meet<const IS_SUM: bool>(
                 let (entries, exits) = (found.entries[i], found.exits[i]);
                 if IS_SUM {
                     is_many[i] = mask(entries != exits);
-                    is_hit[i] = mask(found.length[i] > 0.0) & !is_many[i];
+                    is_hit[i] = mask(found.length[i] > cell.w_least) & !is_many[i];
                 } else {
                     let is_one = mask(entries == 1) & mask(exits == 1);
                     is_many[i] = mask(entries + exits > 0) & !is_one;
                     let (w_enter, w_leave) = (max(found.w_enter[i], near), min(found.w_leave[i], end[i]));
-                    is_hit[i] = is_one & mask(w_enter < w_leave);
+                    is_hit[i] = is_one & mask(w_leave - w_enter > cell.w_least);
                 }
             }
             if is_any(&is_many) {
@@ -249,7 +249,7 @@ impl PolyHits {
         for two in self.events.windows(2) {
             inside += if two[0].leaves { -1 } else { 1 };
             let (w0, w1) = (max(two[0].w, near), min(two[1].w, far));
-            if inside == 0 || w0 >= w1 || nth == u8::MAX {
+            if inside == 0 || w1 - w0 <= cell.w_least || nth == u8::MAX {
                 continue;
             }
             let along = |w: f32| {

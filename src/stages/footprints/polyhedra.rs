@@ -76,8 +76,9 @@ pub struct PolyFootprint {
     pub triangles: Vec<Triangle>,
     /// The depth from which others count.
     pub w_middle: f32,
-    /// Whether the cell lies between the near and the far plane.
-    pub is_within: bool,
+    /// Shorter segments, in depth, are rounding: where a face that is not convex is a fan whose triangles overlap, a ray beside it
+    /// crosses two of them at one depth.
+    pub w_least: f32,
     /// Smallest and largest inverse depth of its corners within the view's range.
     pub v_min: f32,
     /// See `v_min`.
@@ -90,6 +91,9 @@ pub struct PolyFootprint {
     pub sides: [usize; 4],
     positions: Vec<Vec3>,
 }
+
+/// Of a cell's depth, what is no length: some ulp of it.
+const LEAST: f32 = 1e-6;
 
 /// A corner: where it is, its depth and its value.
 #[derive(Clone, Copy)]
@@ -125,7 +129,7 @@ impl PolyFootprint {
         }
         let extent = rays.extent(&self.positions);
         (self.v_min, self.v_max, self.sides) = (extent.v_min, extent.v_max, extent.sides);
-        self.is_within = extent.is_within;
+        self.w_least = LEAST * (w_max - w_min) as f32;
         self.w_middle = (0.5 * (w_min + w_max)) as f32;
 
         let w_middle = f64::from(self.w_middle);
