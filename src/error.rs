@@ -127,6 +127,18 @@ pub enum Error {
         expected: u64,
     },
 
+    /// The faces of a polyhedron do not close it.
+    #[error(
+        "faces: cell {cell} is open: the edge between points {} and {} is not shared by two of its faces; repair its list of faces",
+        edge[0], edge[1]
+    )]
+    OpenCell {
+        /// The cell, in file order.
+        cell: u64,
+        /// The ends of an edge where it is open.
+        edge: [u32; 2],
+    },
+
     /// A vertex of a cell has a coordinate that is NaN or infinite.
     #[error(
         "points: point {point} is used by a cell but its position is not finite ({position:?}); remove or repair it"

@@ -42,8 +42,8 @@ use crate::memory;
 #[cfg(feature = "gpu")]
 use crate::optics::Shading;
 use crate::optics::{
-    Absorption, Averaged, BandDepths, BandLight, CullTable, Emission, EmissionAbsorption, Integral, Mip, Model, Optics,
-    Output, Textured,
+    Absorption, Averaged, BandDepths, BandLight, CullTable, Emission, EmissionAbsorption, Integral, Mip, Model,
+    NormalisedLengths, Optics, Output, Textured,
 };
 use crate::profile::{CellStats, GeometryStats, OrderStats, Profile};
 use crate::stages::View;
@@ -242,6 +242,7 @@ impl Renderer {
         self.check_options()?;
         self.check_bands(scene)?;
         self.options.geometry.check()?;
+        self.check_cells(scene)?;
         let options = self.options;
         if let Some(backing) = &scene.dataset.backing {
             backing.check()?;
@@ -315,11 +316,49 @@ impl Renderer {
             let problem = format!("depth is that of the absorption model, not of {}", options.model);
             return Err(Error::Option { option: "--output", problem });
         }
+        if options.integral == Integral::Pcp {
+            if !matches!(options.model, Model::Emission | Model::Mip) {
+                let problem = format!("pcp has no order: choose --model emission or mip, not {}", options.model);
+                return Err(Error::Option { option: "--integral", problem });
+            }
+            #[cfg(feature = "gpu")]
+            if self.gpu.is_some() {
+                let problem = "--integral pcp is the CPU's; say --backend cpu".to_owned();
+                return Err(Error::Option { option: "--backend gpu", problem });
+            }
+            if self.draws_fans() {
+                let problem = "pcp has no fans; use footprints".to_owned();
+                return Err(Error::Option { option: "--cpu-method", problem });
+            }
+        }
         let takes_all_cells = self.draws_fans() || options.check_order || options.sort == SortMethod::Topological;
         if options.memory_bytes.is_some() && takes_all_cells {
             let problem = "fans (and GPUs), --check-order and --sort topological take all cells at once and keep no budget; \
                            leave one out";
             return Err(Error::Option { option: "--memory", problem: problem.to_owned() });
+        }
+        Ok(())
+    }
+
+    /// Whether all kinds of cells that the scene has can be drawn as it is asked for.
+    fn check_cells(&self, scene: &Scene) -> Result<()> {
+        if scene.dataset.polyhedra.is_empty() {
+            return Ok(());
+        }
+        let refuse = |option, problem: &str| Err(Error::Option { option, problem: problem.to_owned() });
+        #[cfg(feature = "gpu")]
+        if self.gpu.is_some() {
+            let problem =
+                "prisms and polyhedra are drawn whole on the CPU only; say --backend cpu, or --cells tetrahedra";
+            return refuse("--backend gpu", problem);
+        }
+        if self.draws_fans() {
+            let problem = "prisms and polyhedra have no fans; use footprints, or --cells tetrahedra";
+            return refuse("--cpu-method", problem);
+        }
+        if self.options.sort == SortMethod::Topological || self.options.check_order {
+            let problem = "the order by shared faces is that of cells with four to eight corners; use --sort exact";
+            return refuse(if self.options.check_order { "--check-order" } else { "--sort" }, problem);
         }
         Ok(())
     }
@@ -380,8 +419,9 @@ impl Renderer {
                 Some(pieces) => self.draw_with(frame, &BandDepths { pieces, output }, profile),
                 None => self.draw_with(frame, &Absorption { pieces, output }, profile),
             },
+            (Model::Emission, Integral::Pcp) => self.draw_with(frame, &NormalisedLengths { pieces }, profile),
             (Model::Emission, _) => self.draw_with(frame, &Emission { pieces }, profile),
-            (Model::EmissionAbsorption, Integral::Exact) => match frame.bands {
+            (Model::EmissionAbsorption, Integral::Exact | Integral::Pcp) => match frame.bands {
                 Some(pieces) => self.draw_with(frame, &BandLight { pieces }, profile),
                 None => self.draw_with(frame, &EmissionAbsorption { pieces }, profile),
             },

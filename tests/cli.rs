@@ -27,6 +27,8 @@ mod interrupted;
 mod memory;
 #[path = "cli/other_verbs.rs"]
 mod other_verbs;
+#[path = "cli/polyhedra.rs"]
+mod polyhedra;
 #[path = "cli/profile.rs"]
 mod profile;
 #[path = "cli/region.rs"]

@@ -77,5 +77,6 @@ pub(crate) fn listed_boxes(block: &StructuredCells) -> CellMesh {
         file_from_hexahedron: (0..cells).collect(),
         arrays: Vec::new(),
         counts: block.counts,
+        ..CellMesh::empty()
     }
 }

@@ -1,6 +1,6 @@
 //! VTK's cell codes: which kind a code means, by which corners it is drawn, and which codes are left out.
 
-use super::{CellKind, HEXAHEDRON, PYRAMID, TETRAHEDRON, VOXEL, WEDGE};
+use super::{CellKind, HEXAGONAL_PRISM, HEXAHEDRON, PENTAGONAL_PRISM, PYRAMID, TETRAHEDRON, VOXEL, WEDGE};
 
 /// What a VTK cell code means here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,6 +12,8 @@ pub enum CellClass {
         /// How many nodes a cell of this code has.
         nodes: Nodes,
     },
+    /// A cell with any faces, which its file lists.
+    Polyhedron,
     /// Points, lines and faces: no volume by their kind.
     LowerDimensional,
     /// A kind that is not drawn, by its name.
@@ -54,7 +56,8 @@ impl Nodes {
 /// # use cellfan::cells::{CellClass, Nodes, TETRAHEDRON, classify};
 /// assert_eq!(classify(24), CellClass::Volume { kind: &TETRAHEDRON, nodes: Nodes::Quadratic(10) });
 /// assert_eq!(classify(9), CellClass::LowerDimensional);
-/// assert_eq!(classify(42), CellClass::Unsupported("polyhedron"));
+/// assert_eq!(classify(42), CellClass::Polyhedron);
+/// assert_eq!(classify(41), CellClass::Unsupported("convex point set"));
 /// ```
 pub fn classify(code: u8) -> CellClass {
     let linear = |kind| CellClass::Volume { kind, nodes: Nodes::Linear };
@@ -69,8 +72,8 @@ pub fn classify(code: u8) -> CellClass {
         12 => linear(&HEXAHEDRON),
         13 => linear(&WEDGE),
         14 => linear(&PYRAMID),
-        15 => CellClass::Unsupported("pentagonal prism"),
-        16 => CellClass::Unsupported("hexagonal prism"),
+        15 => linear(&PENTAGONAL_PRISM),
+        16 => linear(&HEXAGONAL_PRISM),
         24 => quadratic(&TETRAHEDRON, 10),
         25 => quadratic(&HEXAHEDRON, 20),
         26 => quadratic(&WEDGE, 15),
@@ -81,7 +84,7 @@ pub fn classify(code: u8) -> CellClass {
         33 => quadratic(&HEXAHEDRON, 24),
         37 => quadratic(&PYRAMID, 19),
         41 => CellClass::Unsupported("convex point set"),
-        42 => CellClass::Unsupported("polyhedron"),
+        42 => CellClass::Polyhedron,
         64 | 71 | 78 => any_order(&TETRAHEDRON),
         65 | 73 | 80 => any_order(&WEDGE),
         66 | 74 | 81 => any_order(&PYRAMID),

@@ -8,7 +8,9 @@
 mod codes;
 mod diagonals;
 mod hexahedron;
+mod prism;
 mod pyramid;
+mod recognise;
 mod split;
 mod tetrahedron;
 mod triangles;
@@ -18,8 +20,10 @@ mod wedge;
 pub use codes::{CellClass, Nodes, classify};
 pub use diagonals::diagonals;
 pub use hexahedron::HEXAHEDRON;
+pub use prism::{HEXAGONAL_PRISM, PENTAGONAL_PRISM};
 pub use pyramid::PYRAMID;
-pub use split::split;
+pub use recognise::recognise;
+pub use split::{split, split_faces};
 pub use tetrahedron::{OPPOSITE_FACES, OUTWARD_IF_POSITIVE, TETRAHEDRON};
 pub use triangles::{face_triangles, hexahedron_of, kind_of_hexahedron};
 pub use voxel::VOXEL;
@@ -43,8 +47,9 @@ pub struct CellKind {
     pub faces: &'static [&'static [u8]],
 }
 
-/// The kinds that are drawn, by ascending code.
-pub static KINDS: [&CellKind; 5] = [&TETRAHEDRON, &VOXEL, &HEXAHEDRON, &WEDGE, &PYRAMID];
+/// The kinds that are drawn, by ascending code; polyhedra, which have no table, aside.
+pub static KINDS: [&CellKind; 7] =
+    [&TETRAHEDRON, &VOXEL, &HEXAHEDRON, &WEDGE, &PYRAMID, &PENTAGONAL_PRISM, &HEXAGONAL_PRISM];
 
 #[cfg(test)]
 mod tests;

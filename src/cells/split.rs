@@ -5,7 +5,9 @@
 //! other faces has just those cuts on all faces. (Dompierre, Labbé, Vallet and Camarero, "How to subdivide pyramids,
 //! prisms and hexahedra into tetrahedra", 1999; they tabulate the cases, here the rule itself is run.)
 
-use super::CellKind;
+use arrayvec::ArrayVec;
+
+use super::{CellKind, HEXAGONAL_PRISM};
 
 /// Hands the tetrahedra of a cell to `out`, positively oriented where the cell is.
 ///
@@ -21,12 +23,29 @@ use super::CellKind;
 /// split(&PYRAMID, &[5, 6, 7, 8, 9], |point| point, |tet| tets.push(tet));
 /// assert_eq!(tets, [[5, 6, 7, 9], [5, 7, 8, 9]]);
 /// ```
-pub fn split(kind: &CellKind, corners: &[u32], canonical: impl Fn(u32) -> u32, mut out: impl FnMut([u32; 4])) {
+pub fn split(kind: &CellKind, corners: &[u32], canonical: impl Fn(u32) -> u32, out: impl FnMut([u32; 4])) {
     let corners = &corners[..kind.corners];
-    let lowest = |of: &mut dyn Iterator<Item = u32>| of.min_by_key(|&point| canonical(point));
-    let Some(apex) = lowest(&mut corners.iter().copied()) else { return };
-    for face in kind.faces {
-        let corner = |i: usize| corners[usize::from(face[i % face.len()])];
+    let faces = kind.faces.iter().map(|face| -> ArrayVec<u32, MOST_CORNERS> {
+        face.iter().map(|&corner| corners[usize::from(corner)]).collect()
+    });
+    split_faces(faces, canonical, out);
+}
+
+/// Corners of a face of any kind.
+const MOST_CORNERS: usize = HEXAGONAL_PRISM.faces[0].len();
+
+/// The same for a cell with these faces, each counterclockwise seen from outside: right for convex cells, and for all that a
+/// fan from their lowest point fills.
+pub fn split_faces<F: AsRef<[u32]>>(
+    faces: impl Iterator<Item = F> + Clone,
+    canonical: impl Fn(u32) -> u32,
+    mut out: impl FnMut([u32; 4]),
+) {
+    let lowest = |of: F| of.as_ref().iter().copied().min_by_key(|&point| canonical(point));
+    let Some(apex) = faces.clone().filter_map(lowest).min_by_key(|&point| canonical(point)) else { return };
+    for face in faces {
+        let face = face.as_ref();
+        let corner = |i: usize| face[i % face.len()];
         if (0..face.len()).any(|i| canonical(corner(i)) == canonical(apex)) {
             continue;
         }

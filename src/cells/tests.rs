@@ -18,8 +18,16 @@ fn unit_cell(kind: &CellKind) -> (Vec<DVec3>, f64) {
         }
         13 => (vec![p(0, 0, 0), p(0, 1, 0), p(1, 0, 0), p(0, 0, 1), p(0, 1, 1), p(1, 0, 1)], 0.5),
         14 => (vec![p(0, 0, 0), p(1, 0, 0), p(1, 1, 0), p(0, 1, 0), p(0, 0, 1)], 1.0 / 3.0),
+        15 => prism(&[(0, 0), (2, 0), (3, 1), (2, 2), (0, 2)], 5.0),
+        16 => prism(&[(0, 0), (2, 0), (3, 1), (2, 2), (0, 2), (-1, 1)], 6.0),
         code => unreachable!("no cell for {code}"),
     }
+}
+
+/// Of height 1 over a polygon that runs counterclockwise.
+fn prism(base: &[(i32, i32)], area: f64) -> (Vec<DVec3>, f64) {
+    let level = |z: i32| base.iter().map(move |&(x, y)| DVec3::new(x.into(), y.into(), z.into()));
+    (level(0).chain(level(1)).collect(), area)
 }
 
 fn volume([a, b, c, d]: [DVec3; 4]) -> f64 {
@@ -48,12 +56,9 @@ fn boundary(tets: &[[u32; 4]]) -> Vec<[u32; 3]> {
 
 /// The rule, written out for a face: from its lowest vertex.
 fn rule(face: &[u32]) -> Vec<[u32; 3]> {
-    let mut triangles = match *face {
-        [a, b, c] => vec![[a, b, c]],
-        [a, b, c, d] if a.min(c) < b.min(d) => vec![[a, b, c], [a, c, d]],
-        [a, b, c, d] => vec![[b, c, d], [b, d, a]],
-        _ => unreachable!("faces have three or four corners"),
-    };
+    let first = (0..face.len()).min_by_key(|&i| face[i]).unwrap();
+    let corner = |i: usize| face[(first + i) % face.len()];
+    let mut triangles: Vec<[u32; 3]> = (1..face.len() - 1).map(|i| [corner(0), corner(i), corner(i + 1)]).collect();
     for triangle in &mut triangles {
         triangle.sort_unstable();
     }
@@ -64,9 +69,9 @@ fn any_kind() -> impl Strategy<Value = &'static CellKind> {
     (0..KINDS.len()).prop_map(|i| KINDS[i])
 }
 
-/// Distinct numbers for up to eight corners.
+/// Distinct numbers for up to twelve corners.
 fn numbering() -> impl Strategy<Value = Vec<u32>> {
-    Just((100..108).collect::<Vec<u32>>()).prop_shuffle()
+    Just((100..112).collect::<Vec<u32>>()).prop_shuffle()
 }
 
 #[test]
@@ -98,14 +103,14 @@ fn codes_of_the_table_classify_as_themselves() {
         assert_eq!(classify(kind.code), CellClass::Volume { kind, nodes: Nodes::Linear });
     }
     let drawn = (0..=255).filter(|&code| matches!(classify(code), CellClass::Volume { .. })).count();
-    assert_eq!(drawn, 5 + 9 + 12);
+    assert_eq!(drawn, 7 + 9 + 12);
 }
 
 #[test]
 fn kinds_split_into_as_many_tetrahedra_as_triangles_away_from_the_apex() {
-    let numbers = [0, 1, 2, 3, 4, 5, 6, 7];
+    let numbers = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11];
     let counts = KINDS.map(|kind| tets_of(kind, &numbers[..kind.corners]).len());
-    assert_eq!(counts, [1, 6, 6, 3, 2]);
+    assert_eq!(counts, [1, 6, 6, 3, 2, 9, 12]);
 }
 
 #[test]
@@ -150,7 +155,7 @@ proptest! {
 
     #[test]
     fn volumes_of_bent_cells_are_those_of_the_cut_faces(
-        kind in any_kind(), numbers in numbering(), bend in prop::collection::vec(-0.2..0.2_f64, 24),
+        kind in any_kind(), numbers in numbering(), bend in prop::collection::vec(-0.2..0.2_f64, 36),
     ) {
         let (mut points, _) = unit_cell(kind);
         for (point, by) in points.iter_mut().zip(bend.chunks(3)) {
@@ -185,12 +190,12 @@ proptest! {
     #[test]
     fn neighbours_agree_on_their_face(
         a in any_kind(), b in any_kind(), face_a in any::<prop::sample::Index>(), turn in 0..4_usize,
-        numbers in Just((0..16).collect::<Vec<u32>>()).prop_shuffle(),
+        numbers in Just((0..24).collect::<Vec<u32>>()).prop_shuffle(),
     ) {
         let face_a = a.faces[face_a.index(a.faces.len())];
         let Some(face_b) = b.faces.iter().find(|face| face.len() == face_a.len()) else { return Ok(()) };
         let cell_a = &numbers[..a.corners];
-        let mut cell_b = numbers[8..8 + b.corners].to_vec();
+        let mut cell_b = numbers[12..12 + b.corners].to_vec();
         let shared: Vec<u32> = face_a.iter().map(|&i| cell_a[usize::from(i)]).collect();
         for (i, &corner) in face_b.iter().enumerate() {
             cell_b[usize::from(corner)] = shared[(2 * shared.len() + turn - i) % shared.len()];

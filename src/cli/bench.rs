@@ -12,6 +12,7 @@ mod device;
 mod frames;
 mod hexahedra;
 mod hierarchy;
+mod polyhedra;
 mod record;
 mod scaling;
 mod session;
@@ -48,6 +49,8 @@ enum Benchmark {
     Hexahedra(hexahedra::Arguments),
     /// The octree of a regular grid: error, cubes, triangles, selection and rendering (Schussman and Max 2001, figure 9).
     Hierarchy(hierarchy::Arguments),
+    /// Draw polyhedra without and with an order: frames/s, MIP to emission (Roettger and Ertl 2003, figure 4).
+    Polyhedra(polyhedra::Arguments),
     /// Frames by cells, by threads and by pixels.
     Scaling(scaling::Arguments),
     /// Each stage alone: ns a cell, GB/s, share of the machine's measured memory bandwidth.
@@ -77,6 +80,7 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         Benchmark::Cellfast(arguments) => cellfast::run(arguments, &mut session),
         Benchmark::Hexahedra(arguments) => hexahedra::run(arguments, &mut session),
         Benchmark::Hierarchy(arguments) => hierarchy::run(arguments, &mut session),
+        Benchmark::Polyhedra(arguments) => polyhedra::run(arguments, &mut session),
         Benchmark::Scaling(arguments) => scaling::run(arguments, &mut session),
         Benchmark::Stages(arguments) => stages::run(arguments, &mut session),
     }?;

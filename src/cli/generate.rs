@@ -8,7 +8,8 @@ use std::path::PathBuf;
 use cellfan::Error;
 use cellfan::columns::CellSource;
 use cellfan::generate::{
-    CellShape, MAX_JITTER, Orbital, PhenomenonSettings, Scheme, Settings, generate, phenomenon, source,
+    CellShape, MAX_JITTER, Orbital, PhenomenonSettings, Scheme, Settings, generate, honeycomb, phenomenon, source,
+    voronoi,
 };
 use cellfan::io::container::WriteOptions;
 use cellfan::io::{Compression, UnstructuredMesh, check_target, write_vtu};
@@ -70,6 +71,7 @@ Examples:
   cellfan generate tets --cells 1000000 -o tets.vtu
   cellfan generate orbital --orbital 3,2,1 --cells 500000 -o orbital.vtu
   cellfan generate tets --cells 100000000 -o huge.cells
+  cellfan generate voronoi --cells 20000 -o voronoi.vtu
   cellfan generate delaunay --cells 200000 --seed 7 --no-fill --raw -o delaunay.vtu
   cellfan generate camp-fire --shape prisms --time 2.5 -o fire.vtu
   cellfan generate volume --dims 256x256x110 --raw -o rings.nrrd";
@@ -104,6 +106,10 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
             match what {
                 What::Mesh(kind) => source(kind, &settings)?,
                 What::Phenomenon(kind) => Box::new(phenomenon(kind, &arguments.phenomenon())?),
+                What::Honeycomb | What::Voronoi => {
+                    let problem = "a container holds no polyhedra; end the name in .vtu".to_owned();
+                    return Err(Error::Option { option: "--out", problem }.into());
+                }
                 What::Volume => return volume::run(arguments),
             }
         };
@@ -115,6 +121,8 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         match what {
             What::Mesh(kind) => UnstructuredMesh::from_tets(&generate(kind, &settings)?),
             What::Phenomenon(kind) => UnstructuredMesh::from_cells(&phenomenon(kind, &arguments.phenomenon())?),
+            What::Honeycomb => UnstructuredMesh::from_cells(&honeycomb(&settings)?),
+            What::Voronoi => UnstructuredMesh::from_cells(&voronoi(&settings)?),
             What::Volume => return volume::run(arguments),
         }
     };

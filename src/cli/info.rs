@@ -165,7 +165,8 @@ fn drawn(dataset: &Dataset) -> Drawn {
     let hexahedra = (dataset.hexahedra.len() - dataset.hexahedra.absent()) as u64;
     let (tetrahedra, vertices) = (dataset.tets.len() as u64, dataset.positions.len() as u64);
     let (blocks, memory_bytes) = (dataset.blocks.len() as u64, dataset.owned_bytes());
-    Drawn { tetrahedra, hexahedra, vertices, blocks, memory_bytes }
+    let polyhedra = dataset.polyhedra.len() as u64;
+    Drawn { tetrahedra, hexahedra, polyhedra, vertices, blocks, memory_bytes }
 }
 
 fn array_report(array: &Array) -> ArrayReport {

@@ -13,7 +13,7 @@ use super::progress::Progress;
 /// What help says of them.
 pub(super) const FORMATS: &str = "\
 The mesh: .cells, .vtu, .vts, .vtr, .vti or parallel (.pvtu …), multi-block (.vtm), the first time step of a .pvd, .vtk, PLOT3D \
-(.xyz, .x, .p3d, .bin), NRRD (.nrrd, .nhdr) or, with --raw, raw samples. Several become one, in one visibility order; arrays are matched by name, and containers \
+(.xyz, .x, .p3d, .bin), NRRD (.nrrd, .nhdr), the folder or .foam of an OpenFOAM case or of one of its times or, with --raw, raw samples. Several become one, in one visibility order; arrays are matched by name, and containers \
 among several are copied into memory";
 
 /// What a file of raw samples does not say itself.

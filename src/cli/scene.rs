@@ -25,7 +25,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use cellfan::image::DepthImage;
-use cellfan::io::{Scratch, container};
+use cellfan::io::{self, Scratch, container};
 use cellfan::profile::{MeshRecord, Profile};
 use cellfan::render::Detail;
 use cellfan::{
@@ -124,6 +124,7 @@ impl<'a> Request<'a> {
             return self.read_volume();
         }
         let Self { meshes, arguments, options, backend, transfer, bands, view, triangles, external, .. } = self;
+        let meshes = &arguments.at_time(meshes)?;
         let label = meshes::label(meshes);
         if arguments.memory.is_some() {
             meshes::check_budget(meshes)?;
@@ -199,6 +200,14 @@ impl<'a> Request<'a> {
 }
 
 impl Arguments {
+    /// The meshes, at the time that was asked for.
+    fn at_time(&self, meshes: &[PathBuf]) -> cellfan::Result<Vec<PathBuf>> {
+        match self.time {
+            Some(time) => meshes.iter().map(|path| io::openfoam_time(path, time)).collect(),
+            None => Ok(meshes.to_vec()),
+        }
+    }
+
     /// Everything that was chosen and may change what frames take, by name.
     pub(super) fn settings(&self, setup: &Setup) -> BTreeMap<String, Value> {
         let cells = if self.cells == Some(Cells::Tetrahedra) { "tetrahedra" } else { "whole" };

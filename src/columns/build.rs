@@ -7,8 +7,11 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::placement::{Placement, orientation_of};
+use super::polyhedra::Built;
 use super::spatial_order::{self, Numbering, UNUSED};
-use super::{Array, Association, Block, Bounds, CellCounts, Column, Dataset, HexShape, Hexahedra};
+use super::{
+    Array, Association, Block, Bounds, CellCounts, Column, Dataset, FaceLists, HexShape, Hexahedra, Polyhedra,
+};
 use crate::columns::canonical_from_point;
 use crate::error::{Error, Result};
 
@@ -79,6 +82,10 @@ pub struct CellMesh {
     pub hexahedra: Column<[u32; 8]>,
     /// The file's cell of each hexahedron; ascending.
     pub file_from_hexahedron: Column<u32>,
+    /// The faces of each polyhedron.
+    pub polyhedra: FaceLists,
+    /// The file's cell of each polyhedron; ascending.
+    pub file_from_polyhedron: Column<u32>,
     /// Arrays over the file's points and cells.
     pub arrays: Vec<Array>,
     /// What the reader left out; `inverted` and `degenerate` are counted here.
@@ -88,8 +95,25 @@ pub struct CellMesh {
 impl From<TetMesh> for CellMesh {
     fn from(mesh: TetMesh) -> Self {
         let TetMesh { points, tets, file_from_tet, arrays, counts } = mesh;
-        let (hexahedra, file_from_hexahedron) = (Vec::new().into(), Vec::new().into());
-        Self { points, tets, file_from_tet, hexahedra, file_from_hexahedron, arrays, counts }
+        Self { points, tets, file_from_tet, arrays, counts, ..Self::empty() }
+    }
+}
+
+impl CellMesh {
+    /// A mesh without points and cells.
+    pub fn empty() -> Self {
+        let [file_from_tet, file_from_hexahedron, file_from_polyhedron] = [(); 3].map(|()| Vec::new().into());
+        Self {
+            points: Points::F32(Vec::new()),
+            tets: Vec::new().into(),
+            file_from_tet,
+            hexahedra: Vec::new().into(),
+            file_from_hexahedron,
+            polyhedra: FaceLists::default(),
+            file_from_polyhedron,
+            arrays: Vec::new(),
+            counts: CellCounts::default(),
+        }
     }
 }
 
@@ -105,15 +129,16 @@ impl Dataset {
     /// Checks `mesh` and brings it into the order in which it is drawn.
     ///
     /// # Errors
-    /// [`Error::IndexOutOfRange`], [`Error::NonFinitePosition`], [`Error::LengthMismatch`], [`Error::TooLarge`], and
-    /// [`Error::NoCells`] where no cell has a volume.
+    /// [`Error::IndexOutOfRange`], [`Error::NonFinitePosition`], [`Error::LengthMismatch`], [`Error::TooLarge`],
+    /// [`Error::OpenCell`], and [`Error::NoCells`] where no cell has a volume.
     pub fn from_cells(mesh: CellMesh) -> Result<Self> {
         check(&mesh)?;
-        let CellMesh { points, tets, file_from_tet, hexahedra, file_from_hexahedron, arrays, mut counts } = mesh;
+        let CellMesh { points, tets, file_from_tet, hexahedra, file_from_hexahedron, arrays, mut counts, .. } = mesh;
         let (low, high) = tets
             .par_iter()
             .flatten()
             .chain(hexahedra.par_iter().flatten())
+            .chain(mesh.polyhedra.points())
             .map(|&v| points.get(v as usize))
             .fold(|| (DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
             .reduce(|| (DVec3::INFINITY, DVec3::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
@@ -122,18 +147,21 @@ impl Dataset {
 
         // Orientation and volume of what is drawn: of the narrowed positions, by an exact predicate.
         let orientation: Vec<i8> = tets.par_iter().map(|&tet| orientation_of(tet.map(position))).collect();
-        let canonical = if hexahedra.is_empty() { Vec::new() } else { canonical_from_point(&points) };
+        let has_names = !hexahedra.is_empty() || !mesh.polyhedra.is_empty();
+        let canonical = if has_names { canonical_from_point(&points) } else { Vec::new() };
         let shape = |hex: &[u32; 8]| HexShape::new(hex.map(position), hex.map(|point| canonical[point as usize]));
         let shapes: Vec<HexShape> = hexahedra.par_iter().map(shape).collect();
-        drop(canonical);
+        let polyhedra = Built::new(&mesh.polyhedra, &mesh.file_from_polyhedron, &canonical, position, &placement)?;
+        let canonical = if polyhedra.len() == 0 { Vec::new() } else { canonical };
         counts.inverted = orientation.par_iter().filter(|&&sign| sign < 0).count() as u64
-            + shapes.par_iter().filter(|shape| shape.is_mirrored()).count() as u64;
+            + shapes.par_iter().filter(|shape| shape.is_mirrored()).count() as u64
+            + polyhedra.mirrored;
         let (tets, file_from_tet, flat_tets) = with_volume(tets, file_from_tet, |tet| orientation[tet] != 0);
         let (hexahedra, file_from_hexahedron, flat_hexahedra) =
             with_volume(hexahedra, file_from_hexahedron, |hex| !shapes[hex].is_absent());
         let shapes: Vec<HexShape> = shapes.into_iter().filter(|shape| !shape.is_absent()).collect();
-        counts.degenerate = flat_tets + flat_hexahedra;
-        if tets.is_empty() && hexahedra.is_empty() {
+        counts.degenerate = flat_tets + flat_hexahedra + polyhedra.flat;
+        if tets.is_empty() && hexahedra.is_empty() && polyhedra.len() == 0 {
             return Err(Error::NoCells { found: describe(&counts) });
         }
 
@@ -142,6 +170,7 @@ impl Dataset {
         let mut numbering = Numbering::new(points.len());
         numbering.number(&tets, &tet_from_cell);
         numbering.number(&hexahedra, &hex_from_cell);
+        numbering.number_points(polyhedra.points());
         let (vertex_from_file, file_from_vertex) = numbering.finish();
 
         let positions: Vec<[f32; 3]> = file_from_vertex.par_iter().map(|&v| position(v).to_array()).collect();
@@ -169,10 +198,13 @@ impl Dataset {
             .par_iter()
             .map(|&tet| file_from_tet[tet as usize])
             .chain(hex_from_cell.par_iter().map(|&hex| file_from_hexahedron[hex as usize]))
+            .chain(polyhedra.file_from_cell.par_iter().copied())
             .collect();
 
         let mut blocks = blocks_of(0, &tets, &positions);
         blocks.extend(blocks_of(tets.len(), &hexahedra, &positions));
+        let polyhedra = polyhedra.finish(vertex, &canonical)?;
+        blocks.extend(blocks_of_polyhedra(tets.len() + hexahedra.len(), &polyhedra, &positions));
         let bounds = blocks.iter().fold(Bounds::EMPTY, |all, block| all.union(block.bounds));
 
         Ok(Self {
@@ -180,6 +212,7 @@ impl Dataset {
             positions: positions.into(),
             tets: tets.into(),
             hexahedra: Hexahedra::listed(hexahedra.into(), shapes.into()),
+            polyhedra,
             positive: positive.into_iter().collect(),
             file_from_vertex: Some(file_from_vertex.into()),
             file_from_cell: Some(file_from_cell.into()),
@@ -221,10 +254,26 @@ fn blocks_of<const N: usize>(first: usize, cells: &[[u32; N]], positions: &[[f32
     cells.chunks(Dataset::BLOCK_CELLS).enumerate().map(block).collect()
 }
 
+/// Polyhedra in blocks, the first of them cell `first`.
+fn blocks_of_polyhedra(first: usize, polyhedra: &Polyhedra, positions: &[[f32; 3]]) -> Vec<Block> {
+    let view = polyhedra.view();
+    let block = |start: usize| {
+        let run = start..(start + Dataset::BLOCK_CELLS).min(polyhedra.len());
+        let corners = run.clone().flat_map(|cell| view.corners(cell));
+        let bounds = corners.fold(Bounds::EMPTY, |b, &v| b.include(Vec3::from_array(positions[v as usize])));
+        Block { cells: first + run.start..first + run.end, bounds }
+    };
+    (0..polyhedra.len()).step_by(Dataset::BLOCK_CELLS).map(block).collect()
+}
+
 fn check(mesh: &CellMesh) -> Result<()> {
     let limit = u64::from(u32::MAX) - 1;
-    let CellMesh { points, tets, file_from_tet, hexahedra, file_from_hexahedron, .. } = mesh;
-    let cells = tets.len().max(file_from_tet.len()) + hexahedra.len().max(file_from_hexahedron.len());
+    let CellMesh {
+        points, tets, file_from_tet, hexahedra, file_from_hexahedron, polyhedra, file_from_polyhedron, ..
+    } = mesh;
+    let cells = tets.len().max(file_from_tet.len())
+        + hexahedra.len().max(file_from_hexahedron.len())
+        + polyhedra.cells().max(file_from_polyhedron.len());
     for (column, len) in [("points", points.len() as u64), ("cells", cells as u64)] {
         if len > limit {
             return Err(Error::TooLarge { column, len, limit });
@@ -232,6 +281,7 @@ fn check(mesh: &CellMesh) -> Result<()> {
     }
     check_cells("file_from_tet", tets, file_from_tet, points)?;
     check_cells("file_from_hexahedron", hexahedra, file_from_hexahedron, points)?;
+    check_polyhedra(polyhedra, file_from_polyhedron, points)?;
     check_arrays(points.len() as u64, &mesh.arrays, mesh.counts.in_file)
 }
 
@@ -252,6 +302,28 @@ fn check_cells<const N: usize>(column: &str, cells: &[[u32; N]], file_from: &[u3
     if let Some(&point) = bad {
         let position = points.get(point as usize).to_array();
         return Err(Error::NonFinitePosition { point: point.into(), position });
+    }
+    Ok(())
+}
+
+/// The same of polyhedra.
+fn check_polyhedra(polyhedra: &FaceLists, file_from: &[u32], points: &Points) -> Result<()> {
+    if polyhedra.cells() != file_from.len() {
+        let (column, expected) = ("file_from_polyhedron".to_owned(), polyhedra.cells() as u64);
+        return Err(Error::LengthMismatch { column, len: file_from.len() as u64, expected });
+    }
+    let len = points.len() as u64;
+    for (cell, &file_cell) in file_from.iter().enumerate() {
+        for &point in polyhedra.faces(cell).flatten() {
+            if u64::from(point) >= len {
+                let (cell, index) = (file_cell.into(), point.into());
+                return Err(Error::IndexOutOfRange { column: "faces", cell, index, len });
+            }
+            let position = points.get(point as usize);
+            if !position.is_finite() {
+                return Err(Error::NonFinitePosition { point: point.into(), position: position.to_array() });
+            }
+        }
     }
     Ok(())
 }

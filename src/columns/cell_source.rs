@@ -134,6 +134,10 @@ impl CellSource for CellMesh {
     fn check(&self) -> Result<()> {
         check_len("file_from_tet", self.file_from_tet.len(), self.tets.len())?;
         check_len("file_from_hexahedron", self.file_from_hexahedron.len(), self.hexahedra.len())?;
+        if self.polyhedra.cells() > 0 {
+            let problem = "prisms and polyhedra cannot be kept whole in a container; cut them: --cells tetrahedra";
+            return Err(Error::Option { option: "--cells", problem: problem.to_owned() });
+        }
         check_arrays(self.points.len() as u64, &self.arrays, self.counts.in_file)
     }
 }

@@ -7,7 +7,9 @@ use glam::{DVec3, Vec3};
 
 use arrayvec::ArrayVec;
 
-use super::{Array, Backing, BitColumn, BlockTets, Column, Hexahedra, HexahedraView, Neighbours, Tets};
+use super::{
+    Array, Backing, BitColumn, BlockTets, Column, Hexahedra, HexahedraView, Neighbours, Polyhedra, PolyhedraView, Tets,
+};
 
 /// A box in space; empty when a minimum exceeds its maximum.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,6 +52,27 @@ impl Bounds {
             let pick = |bit: usize, low: f32, high: f32| if i >> bit & 1 == 0 { low } else { high };
             Vec3::new(pick(0, self.min.x, self.max.x), pick(1, self.min.y, self.max.y), pick(2, self.min.z, self.max.z))
         })
+    }
+}
+
+/// The vertices of a cell.
+#[derive(Clone, Debug)]
+pub enum CellCorners<'a> {
+    /// Of a tetrahedron or hexahedron.
+    Few(ArrayVec<u32, 8>),
+    /// Of a polyhedron.
+    Many(&'a [u32]),
+}
+
+impl std::ops::Deref for CellCorners<'_> {
+    type Target = [u32];
+
+    #[inline]
+    fn deref(&self) -> &[u32] {
+        match self {
+            Self::Few(corners) => corners,
+            Self::Many(corners) => corners,
+        }
     }
 }
 
@@ -111,7 +134,7 @@ pub struct Block {
 
 /// A validated mesh: every index in range, every position finite, every cell that is drawn with a volume.
 ///
-/// Cells are numbered through: tetrahedra first, then hexahedra. Cells and vertices stand in spatial (Morton) order; the arrays of a foreign file stay in its order and are reached
+/// Cells are numbered through: tetrahedra first, then hexahedra, then polyhedra. Cells and vertices stand in spatial (Morton) order; the arrays of a foreign file stay in its order and are reached
 /// through [`Dataset::file_from_vertex`] and [`Dataset::file_from_cell`].
 #[derive(Clone, Debug)]
 pub struct Dataset {
@@ -123,6 +146,8 @@ pub struct Dataset {
     pub tets: Tets,
     /// Cells with faces of four corners, whose numbers follow those of the tetrahedra.
     pub hexahedra: Hexahedra,
+    /// Cells with any faces, whose numbers follow those of the hexahedra.
+    pub polyhedra: Polyhedra,
     /// Whether (b−a)×(c−a)·(d−a) > 0 for the ascending vertices a, b, c, d; decided exactly.
     pub positive: BitColumn,
     /// The file's point of each vertex; none where arrays stand in the order of the vertices.
@@ -154,6 +179,11 @@ impl Dataset {
 
     /// How many cells there are, those included that are numbered and not drawn.
     pub fn cells(&self) -> usize {
+        self.first_polyhedron() + self.polyhedra.len()
+    }
+
+    /// The number of the first polyhedron, or of the cell that would follow the last hexahedron.
+    pub fn first_polyhedron(&self) -> usize {
         self.tets.len() + self.hexahedra.len()
     }
 
@@ -171,23 +201,27 @@ impl Dataset {
     /// If there is no such block.
     pub fn cells_drawn_in(&self, block: usize) -> u64 {
         let cells = &self.blocks[block].cells;
-        if self.hexahedra.absent() == 0 || cells.start < self.tets.len() {
+        let has_all = cells.start < self.tets.len() || cells.start >= self.first_polyhedron();
+        if self.hexahedra.absent() == 0 || has_all {
             return cells.len() as u64;
         }
         let shapes = self.hexahedra.view();
         cells.clone().filter(|cell| !shapes.shape(cell - self.tets.len()).is_absent()).count() as u64
     }
 
-    /// The vertices of cell `cell`: four or eight.
+    /// The vertices of cell `cell`: four, eight, or as many as a polyhedron has.
     ///
     /// # Panics
     /// If there is no such cell.
     #[inline]
-    pub fn corners(&self, cell: usize) -> ArrayVec<u32, 8> {
-        match cell.checked_sub(self.tets.len()) {
+    pub fn corners(&self, cell: usize) -> CellCorners<'_> {
+        if let Some(polyhedron) = cell.checked_sub(self.first_polyhedron()) {
+            return CellCorners::Many(self.polyhedra.view().corners(polyhedron));
+        }
+        CellCorners::Few(match cell.checked_sub(self.tets.len()) {
             None => self.tets.get(cell).into_iter().collect(),
             Some(cell) => self.hexahedra.view().get(cell).into(),
-        }
+        })
     }
 
     /// The volume of cell `cell`, in world units; 0 where it is not drawn.
@@ -196,6 +230,9 @@ impl Dataset {
     /// If there is no such cell.
     pub fn volume_world(&self, cell: usize) -> f64 {
         let position = |v: u32| Vec3::from_array(self.positions[v as usize]);
+        if let Some(polyhedron) = cell.checked_sub(self.first_polyhedron()) {
+            return self.polyhedra.view().volume(polyhedron, position);
+        }
         if let Some(cell) = cell.checked_sub(self.tets.len()) {
             let hexahedra = self.hexahedra.view();
             return hexahedra.shape(cell).volume(hexahedra.get(cell).map(position));
@@ -236,6 +273,7 @@ impl Dataset {
         let columns = self.positions.owned_bytes()
             + self.tets.owned_bytes()
             + self.hexahedra.owned_bytes()
+            + self.polyhedra.owned_bytes()
             + self.positive.owned_bytes()
             + [&self.file_from_vertex, &self.file_from_cell]
                 .into_iter()
@@ -252,9 +290,12 @@ impl Dataset {
     /// If there is no such block.
     pub fn block(&self, block: usize) -> BlockView<'_> {
         let Block { cells, bounds } = &self.blocks[block];
-        let first_hexahedron = self.tets.len();
+        let (first_hexahedron, first_polyhedron) = (self.tets.len(), self.first_polyhedron());
         let of_block = if cells.start < first_hexahedron {
             BlockCells::Tets(BlockTets::new(&self.tets, block, cells.len()))
+        } else if cells.start >= first_polyhedron {
+            let run = cells.start - first_polyhedron..cells.end - first_polyhedron;
+            BlockCells::Polyhedra(self.polyhedra.view().run(run))
         } else {
             let run = cells.start - first_hexahedron..cells.end - first_hexahedron;
             BlockCells::Hexahedra(self.hexahedra.view().run(run))
@@ -283,6 +324,8 @@ pub enum BlockCells<'a> {
     Tets(BlockTets<'a>),
     /// Eight corners each, of which some may coincide; some are not drawn.
     Hexahedra(HexahedraView<'a>),
+    /// Any number of corners and faces.
+    Polyhedra(PolyhedraView<'a>),
 }
 
 impl BlockView<'_> {
@@ -292,6 +335,7 @@ impl BlockView<'_> {
         match &self.cells {
             BlockCells::Tets(tets) => tets.len(),
             BlockCells::Hexahedra(hexahedra) => hexahedra.len(),
+            BlockCells::Polyhedra(polyhedra) => polyhedra.len(),
         }
     }
 

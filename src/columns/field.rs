@@ -1,6 +1,5 @@
 //! `Field`: one scalar per vertex or per cell of a dataset, taken from an array, ready for the stages.
 
-use arrayvec::ArrayVec;
 use rayon::prelude::*;
 
 use super::{Array, Association, Column, Dataset, NumericColumn, ValueRanges};
@@ -201,21 +200,25 @@ impl Dataset {
         range: (f64, f64),
     ) -> Field {
         let stored = &values[..];
-        let of_cell = |cell: usize| -> ArrayVec<f32, 8> {
+        // Smallest and largest value of a cell, if all are numbers.
+        let of_cell = |cell: usize| -> Option<(f32, f32)> {
+            let widen = |(low, high): (f32, f32), value: f32| {
+                if value.is_nan() { None } else { Some((low.min(value), high.max(value))) }
+            };
+            let nothing = (f32::INFINITY, f32::NEG_INFINITY);
             match association {
-                Association::Point => self.corners(cell).into_iter().map(|v| stored[v as usize]).collect(),
-                Association::Cell => std::iter::once(stored[cell]).collect(),
+                Association::Point => self.corners(cell).iter().map(|&v| stored[v as usize]).try_fold(nothing, widen),
+                Association::Cell => widen(nothing, stored[cell]),
             }
         };
         let per_block: Vec<((f32, f32), u64)> = self
             .blocks
             .par_iter()
             .map(|block| {
-                block.cells.clone().map(of_cell).fold(((f32::INFINITY, f32::NEG_INFINITY), 0), |(range, bad), s| {
-                    if s.iter().any(|value| value.is_nan()) {
-                        return (range, bad + 1);
-                    }
-                    (s.iter().fold(range, |(low, high), &value| (low.min(value), high.max(value))), bad)
+                let cells = block.cells.clone().map(of_cell);
+                cells.fold(((f32::INFINITY, f32::NEG_INFINITY), 0), |((low, high), bad), cell| match cell {
+                    Some((lowest, highest)) => ((low.min(lowest), high.max(highest)), bad),
+                    None => ((low, high), bad + 1),
                 })
             })
             .collect();

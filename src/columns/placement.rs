@@ -38,7 +38,13 @@ impl Placement {
     /// Where a cell stands along the Morton curve.
     #[inline]
     pub(crate) fn key<const N: usize>(&self, corners: [Vec3; N]) -> u64 {
-        let center = (corners.iter().sum::<Vec3>() * (1.0 / N as f32) - self.bounds.min) * self.steps_per_unit;
+        self.key_of(corners.iter().sum::<Vec3>() * (1.0 / N as f32))
+    }
+
+    /// The same of a cell whose middle is `center`.
+    #[inline]
+    pub(super) fn key_of(&self, center: Vec3) -> u64 {
+        let center = (center - self.bounds.min) * self.steps_per_unit;
         morton(center.x as u32, center.y as u32, center.z as u32)
     }
 }

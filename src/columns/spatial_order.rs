@@ -29,13 +29,16 @@ impl Numbering {
 
     /// Numbers the points of cells in the order that `file_from_cell` says.
     pub(super) fn number<const N: usize>(&mut self, cells: &[[u32; N]], file_from_cell: &[u32]) {
-        for &cell in file_from_cell {
-            for &point in &cells[cell as usize] {
-                let vertex = &mut self.vertex_from_file[point as usize];
-                if *vertex == UNUSED {
-                    *vertex = self.next;
-                    self.next += 1;
-                }
+        self.number_points(file_from_cell.iter().flat_map(|&cell| cells[cell as usize]));
+    }
+
+    /// Numbers points in their order.
+    pub(super) fn number_points(&mut self, points: impl Iterator<Item = u32>) {
+        for point in points {
+            let vertex = &mut self.vertex_from_file[point as usize];
+            if *vertex == UNUSED {
+                *vertex = self.next;
+                self.next += 1;
             }
         }
     }

@@ -4,15 +4,18 @@
 //! faces that do not touch it. In the faces that do, every triangle has to have it as a corner; the corner of lowest number in the
 //! file is such a one, because each face is cut from its lowest.
 
+use glam::Vec3;
 use rayon::prelude::*;
 
+use super::polyhedra::fan;
 use super::{CellCounts, Column, Dataset, HexShape, Points, TetMesh, canonical_from_point};
 use crate::cells::HEXAHEDRON;
 use crate::error::Result;
 
 impl Dataset {
     /// Cuts whole cells into tetrahedra that agree with their neighbours', which draws another field inside a cell; a mesh of
-    /// tetrahedra comes back as it is. Arrays stay, vertices are copied and numbered anew.
+    /// tetrahedra comes back as it is. Polyhedra that a fan from their lowest point does not fill, as some are that are not convex,
+    /// are left out and counted as unsupported. Arrays stay, vertices are copied and numbered anew.
     ///
     /// # Errors
     /// Those of [`Dataset::from_tets`].
@@ -26,7 +29,7 @@ impl Dataset {
     /// # Ok::<(), cellfan::Error>(())
     /// ```
     pub fn into_tetrahedra(self) -> Result<Self> {
-        if self.hexahedra.is_empty() {
+        if self.hexahedra.is_empty() && self.polyhedra.is_empty() {
             return Ok(self);
         }
         let points = Points::F32(self.positions.to_vec());
@@ -37,9 +40,18 @@ impl Dataset {
                 split_hexahedron(hexahedra.get(cell), hexahedra.shape(cell), |vertex| canonical[vertex as usize]);
             tets.map(move |tet| (tet, (first + cell) as u32))
         };
+        let (first_polyhedron, polyhedra) = (self.first_polyhedron(), self.polyhedra.view());
+        let position = |vertex: u32| Vec3::from_array(self.positions[vertex as usize]);
+        let fans: Vec<Option<Vec<[u32; 4]>>> =
+            (0..polyhedra.len()).into_par_iter().map(|cell| fan(polyhedra.faces(cell), position)).collect();
+        let unsupported = fans.iter().filter(|fan| fan.is_none()).count() as u64;
+        let of_polyhedron = |(cell, fan): (usize, Option<Vec<[u32; 4]>>)| {
+            fan.into_iter().flatten().map(move |tet| (tet, (first_polyhedron + cell) as u32))
+        };
+        let fans = fans.into_par_iter().enumerate().flat_map_iter(of_polyhedron);
         let whole = (0..self.tets.len()).into_par_iter().map(|cell| (self.tets.get(cell), cell as u32));
         let cut = (0..hexahedra.len()).into_par_iter().flat_map_iter(of_hexahedron);
-        let (tets, cell_from_tet): (Vec<[u32; 4]>, Vec<u32>) = whole.chain(cut).unzip();
+        let (tets, cell_from_tet): (Vec<[u32; 4]>, Vec<u32>) = whole.chain(cut).chain(fans).unzip();
         drop(canonical);
 
         // Arrays stay in their order: what is numbered anew is led back to it.
@@ -55,7 +67,9 @@ impl Dataset {
             file_from_vertex: through(&tetrahedra.file_from_vertex, &|vertex| self.point_tuple(vertex)),
             file_from_cell: through(&tetrahedra.file_from_cell, &|cell| self.cell_tuple(cell)),
             counts: CellCounts {
-                split: self.counts.split + (hexahedra.len() - self.hexahedra.absent()) as u64,
+                split: self.counts.split + (self.cells() - self.tets.len() - self.hexahedra.absent()) as u64
+                    - unsupported,
+                unsupported: self.counts.unsupported + unsupported,
                 degenerate: self.counts.degenerate + tetrahedra.counts.degenerate,
                 ..self.counts
             },
@@ -107,8 +121,6 @@ pub(crate) fn split_hexahedron(
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeSet;
-
-    use glam::Vec3;
 
     use super::*;
     use crate::cells;

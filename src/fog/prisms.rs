@@ -69,11 +69,10 @@ pub(super) fn prisms(
     let (name, association) = ("density".to_owned(), Association::Point);
     CellMesh {
         points: Points::F32(all),
-        tets: Vec::new().into(),
-        file_from_tet: Vec::new().into(),
         file_from_hexahedron: (0..hexahedra.len() as u32).collect(),
         counts: CellCounts { in_file: hexahedra.len() as u64, ..CellCounts::default() },
         hexahedra: hexahedra.into(),
         arrays: vec![Array { name, association, components: 1, values: NumericColumn::from(density) }],
+        ..CellMesh::empty()
     }
 }

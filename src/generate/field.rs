@@ -5,7 +5,9 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::grid::Lattice;
-use crate::columns::{Array, ArrayHead, Association, CellCounts, CellSource, NumericColumn, Points, TetMesh};
+use crate::columns::{
+    Array, ArrayHead, Association, CellCounts, CellMesh, CellSource, FaceLists, NumericColumn, Points, TetMesh,
+};
 
 /// The point array and the cell array of every generated mesh.
 const ARRAYS: [(&str, Association); 2] = [("value", Association::Point), ("cell_value", Association::Cell)];
@@ -21,12 +23,6 @@ pub(super) fn sample(points: Vec<[f32; 3]>, tets: Vec<[u32; 4]>, field: impl Fn(
             field((a + b + c + d) * 0.25) as f32
         })
         .collect();
-    let array = |((name, association), values): ((&str, Association), Vec<f32>)| Array {
-        name: name.to_owned(),
-        association,
-        components: 1,
-        values: NumericColumn::from(values),
-    };
     TetMesh {
         file_from_tet: (0..tets.len() as u32).collect(),
         counts: CellCounts { in_file: tets.len() as u64, ..CellCounts::default() },
@@ -34,6 +30,29 @@ pub(super) fn sample(points: Vec<[f32; 3]>, tets: Vec<[u32; 4]>, field: impl Fn(
         points: Points::F32(points),
         tets: tets.into(),
     }
+}
+
+/// The same of polyhedra around `centers`, at which `cell_value` is sampled.
+pub(super) fn sample_polyhedra(
+    points: Vec<[f32; 3]>,
+    polyhedra: FaceLists,
+    centers: &[DVec3],
+    field: impl Fn(DVec3) -> f64 + Sync,
+) -> CellMesh {
+    let value: Vec<f32> = points.par_iter().map(|&p| field(Vec3::from_array(p).as_dvec3()) as f32).collect();
+    let cell_value: Vec<f32> = centers.par_iter().map(|&p| field(p) as f32).collect();
+    CellMesh {
+        file_from_polyhedron: (0..polyhedra.cells() as u32).collect(),
+        counts: CellCounts { in_file: polyhedra.cells() as u64, ..CellCounts::default() },
+        arrays: ARRAYS.into_iter().zip([value, cell_value]).map(array).collect(),
+        points: Points::F32(points),
+        polyhedra,
+        ..CellMesh::empty()
+    }
+}
+
+fn array(((name, association), values): ((&str, Association), Vec<f32>)) -> Array {
+    Array { name: name.to_owned(), association, components: 1, values: NumericColumn::from(values) }
 }
 
 /// A field over the unit cube.

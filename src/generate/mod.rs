@@ -1,6 +1,7 @@
 //! Generated meshes: analytic fields on grids of tetrahedra and on Delaunay meshes, the same bytes for the same seed.
 //!
-//! In: a [`Kind`] and [`Settings`] (how many cells, which seed). Out: [`TetMesh`] in the unit cube, with the point
+//! In: a [`Kind`] and [`Settings`] (how many cells, which seed). Out: [`TetMesh`] in the unit cube, or a [`CellMesh`](crate::columns::CellMesh)
+//! of polyhedra ([`honeycomb`], [`voronoi`]), with the point
 //! array `value` and the cell array `cell_value` (the field at the cell's centroid); every cell has a volume and is
 //! positive. To add one: a file with its field as a function of a point, a [`Kind`] and its line in [`generate`]. The
 //! field is sampled in parallel; elementary functions come from `libm`, so no platform changes a digit.
@@ -10,6 +11,7 @@ mod delaunay;
 mod field;
 mod grid;
 mod hilbert;
+mod honeycomb;
 pub(crate) mod noise;
 mod orbital;
 mod phenomena;
@@ -18,15 +20,18 @@ mod settings;
 mod tets;
 mod triangulation;
 mod volume;
+mod voronoi;
 
 pub use buckyball::{Buckyball, buckyball};
 pub use delaunay::delaunay;
+pub use honeycomb::honeycomb;
 pub use orbital::{Orbital, orbital};
 pub use phenomena::{CellShape, Phenomenon, PhenomenonSettings, phenomenon};
 pub use settings::{MAX_JITTER, Scheme, Settings};
 pub use tets::{marschner_lobb, tets};
 pub use triangulation::tetrahedralize;
 pub use volume::{SampleType, Signal, volume};
+pub use voronoi::voronoi;
 
 use std::fmt;
 use std::str::FromStr;

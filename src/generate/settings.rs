@@ -74,6 +74,12 @@ impl Settings {
     }
 }
 
+/// What a polyhedron takes while it is generated and written, and its faces: measured with `generate voronoi --cells 100000`, and as much
+/// again.
+pub(super) fn check_polyhedra(cells: u64) -> Result<()> {
+    memory::check(|| format!("a mesh of {cells} polyhedra"), cells.checked_mul(4000))
+}
+
 /// What generating and writing takes at most: 83 to 86 MB for a million cells of any kind (`generate KIND --cells 1000000`).
 const BYTES_PER_CELL: u64 = 80;
 

@@ -62,6 +62,12 @@ pub fn edges(dataset: &Dataset) -> List {
                     edges.extend(OF_HEXAHEDRON.map(|[i, k]| name(corners[i], corners[k])));
                 }
             }
+            BlockCells::Polyhedra(polyhedra) => {
+                for face in (0..polyhedra.len()).flat_map(|cell| polyhedra.faces(cell)) {
+                    let around = face.around;
+                    edges.extend((0..around.len()).map(|i| name(around[i], around[(i + 1) % around.len()])));
+                }
+            }
         }
         edges.sort_unstable();
         edges.dedup();

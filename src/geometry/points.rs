@@ -38,6 +38,9 @@ pub fn points(dataset: &Dataset) -> List {
             let drawn = (0..hexahedra.len()).filter(|&cell| !hexahedra.shape(cell).is_absent());
             drawn.for_each(|cell| hexahedra.get(cell).into_iter().for_each(note));
         }
+        BlockCells::Polyhedra(polyhedra) => {
+            (0..polyhedra.len()).for_each(|cell| polyhedra.corners(cell).iter().copied().for_each(note));
+        }
     });
     let scale = scene_per_world(dataset);
     let used = (0..vertices as u32).into_par_iter().filter(|&vertex| {

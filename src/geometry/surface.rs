@@ -9,11 +9,11 @@ use rayon::prelude::*;
 
 use super::{List, Primitive};
 use crate::cells::{HEXAHEDRON, OPPOSITE_FACES, OUTWARD_IF_POSITIVE};
-use crate::columns::{Dataset, place};
+use crate::columns::{Dataset, PolyFace, place};
 use crate::stages::scene_per_world;
 use crate::stages::sort::adjacency::Face;
 
-/// The boundary surface of `dataset`, of which `exterior` are the faces without a cell across
+/// The boundary surface of `dataset`, of whose tetrahedra and hexahedra `exterior` are the faces without a cell across
 /// ([`Adjacency::exterior`](crate::stages::sort::adjacency::Adjacency::exterior)).
 ///
 /// ```
@@ -26,12 +26,18 @@ use crate::stages::sort::adjacency::Face;
 /// # Ok::<(), cellfan::Error>(())
 /// ```
 pub fn surface(dataset: &Dataset, exterior: &[Face]) -> List {
-    let seams = Seams::of(dataset, exterior);
+    let of_polyhedra: Vec<PolyFace> = dataset.polyhedra.exterior().collect();
+    let seams = Seams::of(dataset, exterior, &of_polyhedra);
     let scale = scene_per_world(dataset);
-    let triangles = exterior.par_iter().enumerate().filter(|&(i, _)| !seams.holds(i)).flat_map_iter(|(_, &face)| {
-        triangles_of(dataset, face).into_iter().flatten().map(|vertex| in_scene(dataset, vertex, scale))
-    });
-    List::new(Primitive::Triangles, triangles.collect())
+    let in_scene = |vertex: u32| in_scene(dataset, vertex, scale);
+    let triangles = exterior
+        .par_iter()
+        .enumerate()
+        .filter(|&(i, _)| !seams.holds(i))
+        .flat_map_iter(|(_, &face)| triangles_of(dataset, face).into_iter().flatten().map(in_scene));
+    let others = of_polyhedra.par_iter().enumerate().filter(|&(i, _)| !seams.holds(exterior.len() + i));
+    let others = others.flat_map_iter(|(_, face)| face.triangles().flatten().map(in_scene));
+    List::new(Primitive::Triangles, triangles.chain(others).collect())
 }
 
 /// The position of a vertex in scene units.
@@ -65,7 +71,7 @@ type Places = [[u32; 3]; 4];
 
 impl Seams {
     /// Finds them by where their corners stand.
-    fn of(dataset: &Dataset, exterior: &[Face]) -> Self {
+    fn of(dataset: &Dataset, exterior: &[Face], of_polyhedra: &[PolyFace]) -> Self {
         let places = |face: &Face| -> Places {
             let (cell, k) = (face.cell as usize, face.index as usize);
             let at = |vertex: u32| place(dataset.positions[vertex as usize]);
@@ -85,8 +91,20 @@ impl Seams {
         };
         let mut by_place: Vec<(Places, u32)> =
             exterior.par_iter().zip(0..exterior.len() as u32).map(|(face, i)| (places(face), i)).collect();
+        // Faces of more corners have no like among those of other kinds.
+        let few = of_polyhedra.iter().zip(exterior.len() as u32..).filter(|(face, _)| face.around.len() <= 4);
+        by_place.extend(few.map(|(face, i)| {
+            let at = |k: usize| place(dataset.positions[face.around[k] as usize]);
+            let mut places: Places = if let [_, _, _, _] = face.around {
+                std::array::from_fn(at)
+            } else {
+                [at(0), at(1), at(2), at(0).max(at(1)).max(at(2))]
+            };
+            places.sort_unstable();
+            (places, i)
+        }));
         by_place.par_sort_unstable();
-        let mut is_seam = vec![false; exterior.len()];
+        let mut is_seam = vec![false; exterior.len() + of_polyhedra.len()];
         for faces in by_place.chunk_by(|a, b| a.0 == b.0).filter(|faces| faces.len() == 2) {
             for &(_, i) in faces {
                 is_seam[i as usize] = true;

@@ -64,6 +64,7 @@ fn listed(points: Vec<[f64; 3]>, tets: Vec<[u32; 4]>, hexahedra: Vec<[u32; 8]>) 
         file_from_hexahedron: (of_tets..all).collect(),
         arrays: Vec::new(),
         counts: CellCounts::default(),
+        ..CellMesh::empty()
     })
     .unwrap()
 }

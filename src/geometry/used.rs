@@ -8,7 +8,7 @@ pub(super) struct Canonical(Vec<u32>);
 impl Canonical {
     /// 4 bytes a vertex, 20 until it is known; nothing for tetrahedra.
     pub(super) fn new(dataset: &Dataset) -> Self {
-        let may_coincide = !dataset.hexahedra.is_empty();
+        let may_coincide = dataset.tets.len() < dataset.cells();
         Self(if may_coincide { canonical_from_vertex(&dataset.positions) } else { Vec::new() })
     }
 

@@ -8,6 +8,8 @@ mod hidden;
 mod splitter;
 mod structured;
 
+use arrayvec::ArrayVec;
+
 use self::hidden::Hidden;
 pub(super) use self::hidden::{DUPLICATE_CELL, GHOST_LEVELS, GHOST_TYPE, HIDDEN_CELL, HIDDEN_POINT};
 use self::splitter::Splitter;
@@ -15,7 +17,7 @@ use super::UnstructuredMesh;
 use super::scratch::Scratch;
 use super::source::quote;
 use crate::cells::{self, CellClass, CellKind, Nodes};
-use crate::columns::{Array, Association, CellCounts, CellMesh, Dataset, Points, TetMesh};
+use crate::columns::{Array, Association, CellCounts, CellMesh, Dataset, FaceLists, Points, TetMesh};
 use crate::error::{Error, Result};
 
 impl UnstructuredMesh {
@@ -35,21 +37,36 @@ impl UnstructuredMesh {
     pub fn into_tets_in(self, scratch: &Scratch) -> Result<TetMesh> {
         let mut tets = Splitter::of(&self.points, scratch);
         let mut split = 0;
-        let mut counts = self.for_each_volume(|cell, kind, corners| {
-            if let Some(tet) = tet_of(kind, corners) {
-                return tets.push(tet, cell as usize);
+        let mut uncut = 0;
+        let mut counts = self.for_each_volume(|cell, volume| {
+            match volume {
+                Volume::Kind(kind, corners) => {
+                    if let Some(tet) = tet_of(kind, corners) {
+                        return tets.push(tet, cell as usize);
+                    }
+                    tets.split(kind, corners, cell as usize)?;
+                }
+                Volume::Polyhedron if !tets.split_polyhedron(&self.faces, cell as usize)? => {
+                    uncut += 1;
+                    return Ok(());
+                }
+                Volume::Polyhedron => {}
             }
             split += 1;
-            tets.split(kind, corners, cell as usize)
+            Ok(())
         })?;
         counts.split = split;
         self.warn_of_kinds(&counts);
+        if uncut > 0 {
+            counts.unsupported += uncut;
+            tracing::warn!(cells = uncut, "polyhedra that are open or not convex cannot be cut into tetrahedra");
+        }
         let (tets, file_from_tet) = tets.finish()?;
         let Self { points, arrays, .. } = self;
         Ok(TetMesh { points, tets, file_from_tet, arrays, counts })
     }
 
-    /// The cells with a volume, whole: tetrahedra, and hexahedra that stand for all other kinds.
+    /// The cells with a volume, whole: tetrahedra, hexahedra that stand for other kinds with up to eight corners, and polyhedra.
     ///
     /// # Errors
     /// Those of [`UnstructuredMesh::into_tets`].
@@ -64,20 +81,45 @@ impl UnstructuredMesh {
     pub fn into_cells_in(self, scratch: &Scratch) -> Result<CellMesh> {
         let (mut tets, mut file_from_tet) = (scratch.column(), scratch.column());
         let (mut hexahedra, mut file_from_hexahedron) = (scratch.column(), scratch.column());
-        let counts = self.for_each_volume(|cell, kind, corners| {
+        let (mut polyhedra, mut file_from_polyhedron) = (FaceLists::default(), Vec::new());
+        let counts = self.for_each_volume(|cell, volume| {
+            let Volume::Kind(kind, corners) = volume else {
+                polyhedra.push_cell(&self.faces, cell as usize);
+                file_from_polyhedron.push(cell);
+                return Ok(());
+            };
             if let Some(tet) = tet_of(kind, corners) {
                 tets.push(tet)?;
                 return file_from_tet.push(cell);
             }
-            let Some(hexahedron) = cells::hexahedron_of(kind) else { return Ok(()) };
-            hexahedra.push(hexahedron.map(|corner| corners[corner]))?;
-            file_from_hexahedron.push(cell)
+            if let Some(hexahedron) = cells::hexahedron_of(kind) {
+                hexahedra.push(hexahedron.map(|corner| corners[corner]))?;
+                return file_from_hexahedron.push(cell);
+            }
+            for face in kind.faces {
+                let around: ArrayVec<u32, 12> = face.iter().map(|&corner| corners[usize::from(corner)]).collect();
+                polyhedra.push_face(&around);
+            }
+            polyhedra.end_cell();
+            file_from_polyhedron.push(cell);
+            Ok(())
         })?;
         self.warn_of_kinds(&counts);
         let (tets, file_from_tet) = (tets.finish()?, file_from_tet.finish()?);
         let (hexahedra, file_from_hexahedron) = (hexahedra.finish()?, file_from_hexahedron.finish()?);
+        let file_from_polyhedron = file_from_polyhedron.into();
         let Self { points, arrays, .. } = self;
-        Ok(CellMesh { points, tets, file_from_tet, hexahedra, file_from_hexahedron, arrays, counts })
+        Ok(CellMesh {
+            points,
+            tets,
+            file_from_tet,
+            hexahedra,
+            file_from_hexahedron,
+            polyhedra,
+            file_from_polyhedron,
+            arrays,
+            counts,
+        })
     }
 
     /// Checks the mesh by itself: everything that names a point or an entry, and the positions of what is drawn.
@@ -85,8 +127,14 @@ impl UnstructuredMesh {
     /// # Errors
     /// Those of [`UnstructuredMesh::into_tets`] and [`Error::NonFinitePosition`].
     pub(super) fn check(&self) -> Result<()> {
-        let are_finite = |_, kind: &CellKind, corners: &[u32]| {
-            corners.iter().take(kind.corners).try_for_each(|&point| check_position(&self.points, point))
+        let are_finite = |cell: u32, volume: Volume<'_>| match volume {
+            Volume::Kind(kind, corners) => {
+                corners.iter().take(kind.corners).try_for_each(|&point| check_position(&self.points, point))
+            }
+            Volume::Polyhedron => {
+                let mut points = self.faces.faces(cell as usize).flatten();
+                points.try_for_each(|&point| check_position(&self.points, point))
+            }
         };
         self.for_each_volume(are_finite).map(drop)
     }
@@ -104,8 +152,8 @@ impl UnstructuredMesh {
         }
     }
 
-    /// Checks the mesh, counts its cells, and hands those that are drawn to `take`: number, kind and nodes, corners first.
-    fn for_each_volume(&self, mut take: impl FnMut(u32, &CellKind, &[u32]) -> Result<()>) -> Result<CellCounts> {
+    /// Checks the mesh, counts its cells, and hands those that are drawn to `take`, with their numbers.
+    fn for_each_volume(&self, mut take: impl FnMut(u32, Volume<'_>) -> Result<()>) -> Result<CellCounts> {
         check(self)?;
         let hidden = Hidden::of(&self.arrays);
         let mut counts = CellCounts { in_file: self.cells() as u64, ..CellCounts::default() };
@@ -121,6 +169,16 @@ impl UnstructuredMesh {
                     counts.lower_dimensional += 1;
                     continue;
                 }
+                CellClass::Polyhedron => {
+                    check_faces(self, cell)?;
+                    let mut points = self.faces.faces(cell).flatten();
+                    if hidden.cell(cell) || points.any(|&point| hidden.point(point)) {
+                        counts.ghost += 1;
+                    } else {
+                        take(cell as u32, Volume::Polyhedron)?;
+                    }
+                    continue;
+                }
                 CellClass::Volume { kind, nodes } => (kind, nodes),
             };
             check_indices(self, cell, corners)?;
@@ -130,7 +188,7 @@ impl UnstructuredMesh {
                 continue;
             }
             counts.quadratic += u64::from(nodes != Nodes::Linear);
-            take(cell as u32, kind, corners)?;
+            take(cell as u32, Volume::Kind(kind, corners))?;
         }
         Ok(counts)
     }
@@ -150,6 +208,14 @@ impl UnstructuredMesh {
     pub fn into_whole_dataset(self) -> Result<Dataset> {
         Dataset::from_cells(self.into_cells()?)
     }
+}
+
+/// A cell that is drawn.
+enum Volume<'a> {
+    /// Its kind, and its nodes, corners first.
+    Kind(&'static CellKind, &'a [u32]),
+    /// One whose faces the mesh lists.
+    Polyhedron,
 }
 
 /// The corners of a cell that is a tetrahedron.
@@ -213,6 +279,16 @@ fn check_indices(mesh: &UnstructuredMesh, cell: usize, corners: &[u32]) -> Resul
         }
         None => Ok(()),
     }
+}
+
+/// A polyhedron has faces, of points that exist.
+fn check_faces(mesh: &UnstructuredMesh, cell: usize) -> Result<()> {
+    let mut faces = mesh.faces.faces(cell);
+    if faces.len() == 0 {
+        let column = format!("faces of cell {cell} (polyhedron)");
+        return Err(Error::LengthMismatch { column, len: 0, expected: 4 });
+    }
+    faces.try_for_each(|face| check_indices(mesh, cell, face))
 }
 
 fn check_nodes(kind: &CellKind, nodes: Nodes, cell: usize, found: usize) -> Result<()> {

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::collection::{read_pvd_in, read_vtm_in};
 use super::mapping::Mapped;
 use super::nrrd::read_nrrd_in;
+use super::openfoam::read_openfoam_in;
 use super::plot3d::read_plot3d_in;
 use super::pvtu::read_pvtu_in;
 use super::vti::{read_pvti_in, read_vti_in};
@@ -123,6 +124,16 @@ pub const READ: &[Format] = &[
         recognises: |_| false,
         read: |bytes, path, scratch| read_plot3d_in(bytes, path, scratch).map(Mesh::from),
     },
+    Format {
+        name: "OpenFOAM",
+        extensions: &["foam"],
+        // It is empty, and stands in the folder of the case.
+        recognises: |_| false,
+        read: |_, path, scratch| {
+            let folder = path.parent().unwrap_or(path);
+            read_openfoam_in(folder, scratch).map(Mesh::from)
+        },
+    },
 ];
 
 const TO_VTU: &str = "convert it to .vtu, for example with ParaView or meshio";
@@ -154,7 +165,6 @@ pub const REFUSED: &[Refused] = &[
     refused("a PLOT3D solution", &["q"], "name its grid: a solution beside it is found by its name"),
     Refused { magic: b"$MeshFormat", ..refused("Gmsh", &["msh"], TO_VTU) },
     Refused { magic: b"MeshVersionFormatted", ..refused("Medit", &["mesh", "meshb"], TO_VTU) },
-    refused("OpenFOAM", &["foam"], "convert it with foamToVTK"),
     refused("OFF", &["off"], TO_VTU),
     refused("Abaqus", &["inp"], TO_VTU),
     refused("Ensight", &["case"], TO_VTU),

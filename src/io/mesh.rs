@@ -1,9 +1,10 @@
 //! `UnstructuredMesh`: cells of any kinds in file order, as VTK's unstructured grids hold them.
 
+use super::face_streams::{POLYHEDRON, points_of};
 use super::scratch::Scratch;
 use super::{concat, numbers};
 use crate::cells::{TETRAHEDRON, hexahedron_of, kind_of_hexahedron};
-use crate::columns::{Array, Association, CellMesh, Column, Points, TetMesh};
+use crate::columns::{Array, Association, CellMesh, Column, FaceLists, Points, TetMesh};
 use crate::error::{Error, Result};
 
 /// An unstructured grid in file order; nothing in it has been checked against anything else.
@@ -15,7 +16,7 @@ use crate::error::{Error, Result};
 ///     types: vec![10].into(),
 ///     offsets: vec![0, 4].into(),
 ///     connectivity: vec![0, 1, 2, 3].into(),
-///     arrays: Vec::new(),
+///     ..UnstructuredMesh::empty()
 /// };
 /// assert_eq!(mesh.into_dataset().unwrap().tets.len(), 1);
 /// ```
@@ -29,6 +30,8 @@ pub struct UnstructuredMesh {
     pub offsets: Column<u64>,
     /// The points of the cells, one cell after the other.
     pub connectivity: Column<u32>,
+    /// The faces of each polyhedron (VTK's code 42); other cells have none, and those at the end need not be there.
+    pub faces: FaceLists,
     /// Arrays over the points and cells.
     pub arrays: Vec<Array>,
 }
@@ -37,7 +40,8 @@ impl UnstructuredMesh {
     /// A mesh without points and cells.
     pub fn empty() -> Self {
         let (types, connectivity) = (Vec::new().into(), Vec::new().into());
-        Self { points: Points::F32(Vec::new()), types, offsets: vec![0].into(), connectivity, arrays: Vec::new() }
+        let (points, faces) = (Points::F32(Vec::new()), FaceLists::default());
+        Self { points, types, offsets: vec![0].into(), connectivity, faces, arrays: Vec::new() }
     }
 
     /// How many cells there are, of any kind.
@@ -72,11 +76,12 @@ impl UnstructuredMesh {
             types: vec![10; tets.len()].into(),
             offsets: (0..=tets.len() as u64).map(|tet| 4 * tet).collect(),
             connectivity: tets.as_flattened().to_vec().into(),
+            faces: FaceLists::default(),
             arrays: arrays.iter().map(array).collect(),
         }
     }
 
-    /// Cells as a mesh that can be written, tetrahedra first; hexahedra that repeat corners as the wedges and pyramids that they are.
+    /// Cells as a mesh that can be written, tetrahedra first, polyhedra last; hexahedra that repeat corners as the wedges and pyramids that they are.
     /// Cell arrays are repeated where a file's cell was split.
     ///
     /// ```
@@ -88,7 +93,7 @@ impl UnstructuredMesh {
     /// # Ok::<(), cellfan::Error>(())
     /// ```
     pub fn from_cells(mesh: &CellMesh) -> Self {
-        let CellMesh { points, tets, file_from_tet, hexahedra, file_from_hexahedron, arrays, .. } = mesh;
+        let CellMesh { points, tets, file_from_tet, hexahedra, file_from_hexahedron, polyhedra, arrays, .. } = mesh;
         let mut types = vec![TETRAHEDRON.code; tets.len()];
         let mut offsets: Vec<u64> = (0..=tets.len() as u64).map(|tet| 4 * tet).collect();
         let mut connectivity = tets.as_flattened().to_vec();
@@ -100,7 +105,20 @@ impl UnstructuredMesh {
             connectivity.extend((0..kind.corners).filter_map(corner));
             offsets.push(connectivity.len() as u64);
         }
-        let tuples: Vec<u32> = file_from_tet.iter().chain(&file_from_hexahedron[..]).copied().collect();
+        let mut faces = FaceLists::default();
+        if polyhedra.cells() > 0 {
+            faces.pad(types.len());
+            faces.append(polyhedra, |point| point);
+        }
+        let mut points_of_cell = Vec::new();
+        for cell in 0..polyhedra.cells() {
+            types.push(POLYHEDRON);
+            points_of(polyhedra, cell, &mut points_of_cell);
+            connectivity.extend_from_slice(&points_of_cell);
+            offsets.push(connectivity.len() as u64);
+        }
+        let of_all = [file_from_tet, file_from_hexahedron, &mesh.file_from_polyhedron];
+        let tuples: Vec<u32> = of_all.into_iter().flat_map(|of| of.iter().copied()).collect();
         let array = |array: &Array| match array.association {
             Association::Point => array.clone(),
             Association::Cell => {
@@ -113,6 +131,7 @@ impl UnstructuredMesh {
             types: types.into(),
             offsets: offsets.into(),
             connectivity: connectivity.into(),
+            faces,
             arrays: arrays.iter().map(array).collect(),
         }
     }
@@ -146,10 +165,14 @@ impl UnstructuredMesh {
         }
         let points = concat::points(&pieces.iter().map(|piece| &piece.points).collect::<Vec<_>>());
         let (mut types, mut offsets, mut connectivity) = (scratch.column(), scratch.column(), scratch.column());
+        let mut faces = FaceLists::default();
         offsets.push(0)?;
         let mut first_point = 0;
         for piece in pieces {
             let (base, entries) = (connectivity.len() as u64, piece.connectivity.len() as u64);
+            if !piece.faces.is_empty() {
+                faces.pad(types.len());
+            }
             types.extend(piece.types.iter().copied())?;
             // An entry or index beyond its piece must not come to name one of the next.
             let place = |&offset: &u64| if offset <= entries { base + offset } else { u64::MAX };
@@ -157,9 +180,12 @@ impl UnstructuredMesh {
             let points = piece.points.len() as u32;
             let shift = |&index: &u32| if index < points { first_point + index } else { u32::MAX };
             connectivity.extend(piece.connectivity.iter().map(shift))?;
+            if !piece.faces.is_empty() {
+                faces.append(&piece.faces, |index| shift(&index));
+            }
             first_point += points;
         }
         let (types, offsets, connectivity) = (types.finish()?, offsets.finish()?, connectivity.finish()?);
-        Ok(Self { points, types, offsets, connectivity, arrays })
+        Ok(Self { points, types, offsets, connectivity, faces, arrays })
     }
 }

@@ -11,6 +11,7 @@ mod collection;
 mod concat;
 pub mod container;
 mod expansion;
+mod face_streams;
 pub mod formats;
 mod join;
 mod mapping;
@@ -18,6 +19,7 @@ mod mesh;
 mod nrrd;
 mod numbers;
 mod offsets;
+mod openfoam;
 mod overlap;
 mod plot3d;
 mod pvtu;
@@ -45,6 +47,7 @@ pub use any_mesh::{Mesh, WholeCells};
 pub use collection::{read_pvd, read_vtm};
 pub use mesh::UnstructuredMesh;
 pub use nrrd::{read_nrrd, write_nrrd};
+pub use openfoam::{openfoam_time, read_openfoam};
 pub use plot3d::read_plot3d;
 pub use pvtu::read_pvtu;
 pub use raw::{RawLayout, open_raw, open_raw_in, read_raw};
@@ -157,8 +160,11 @@ pub fn open_mesh_in(path: &Path, scratch: &Scratch) -> Result<Mesh> {
 
 /// As [`open_mesh_in`], for a file whose format `check` accepts.
 fn open_mesh_of(path: &Path, scratch: &Scratch, check: impl FnOnce(&formats::Format) -> Result<()>) -> Result<Mesh> {
+    if path.is_dir() && openfoam::is_case(path) {
+        return openfoam::read_openfoam_in(path, scratch).map(Mesh::from);
+    }
     if path.is_dir() {
-        let advice = "name a file in it".to_owned();
+        let advice = "name a file in it, or an OpenFOAM case".to_owned();
         return Err(Error::Unsupported { path: path.to_owned(), what: "a folder".to_owned(), advice });
     }
     let mut file = File::open(path).map_err(io_at(path))?;

@@ -81,5 +81,6 @@ fn read_cells(
         Error::IndexOutOfRange { column: "connectivity", cell, index, len }.in_file(source.path)
     };
     mesh.connectivity = whole_numbers(&values, len.saturating_sub(1), source.scratch, out_of_range)?;
+    mesh.faces = vtk_xml::faces(cells, &mesh.types, encoding, source)?;
     Ok(())
 }

@@ -8,6 +8,7 @@ use flate2::write::ZlibEncoder;
 use rayon::prelude::*;
 
 use super::UnstructuredMesh;
+use super::face_streams::streams_of;
 use super::numbers::{NumberType, little_endian, type_of};
 use crate::atomic::{io_at, write_atomically};
 use crate::columns::{Association, NumericColumn, Points};
@@ -53,6 +54,12 @@ pub fn write_vtu(path: &Path, mesh: &UnstructuredMesh, compression: Compression)
     arrays.push(("Points", "Points".to_owned(), 3, Payload::new(points(&mesh.points))));
     for (name, column) in cells(mesh) {
         arrays.push(("Cells", name.to_owned(), 1, Payload::new(column)));
+    }
+    if !mesh.faces.is_empty() {
+        let (streams, ends) = streams_of(&mesh.faces, mesh.cells());
+        for (name, values) in [("faces", streams), ("faceoffsets", ends)] {
+            arrays.push(("Cells", name.to_owned(), 1, Payload::new(values.into())));
+        }
     }
     if compression == Compression::Zlib {
         for (.., payload) in &mut arrays {

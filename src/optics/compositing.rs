@@ -45,7 +45,7 @@ pub struct CellSpan {
     pub cell: Option<usize>,
     s_min: f32,
     s_max: f32,
-    length_world_max: f32,
+    pub(super) length_world_max: f32,
 }
 
 impl CellSpan {

@@ -37,6 +37,7 @@ pub mod lanes;
 pub mod materials;
 mod mip;
 pub mod model;
+mod pcp;
 pub mod pieces;
 pub mod presets;
 #[cfg(test)]
@@ -64,5 +65,6 @@ pub use intervals::Intervals;
 pub use lanes::{Contribution, LANES, Lanes, Mask, Segments};
 pub use mip::Mip;
 pub use model::{Integral, Model, Output, Shading};
+pub use pcp::NormalisedLengths;
 pub use pieces::{LinearPiece, Piece, Pieces};
 pub use transfer::{ControlPoint, TransferFunction};

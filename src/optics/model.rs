@@ -55,7 +55,7 @@ impl Model {
     }
 }
 
-/// How light and opacity of one segment are computed in emission and absorption; T is exact in `Exact` and `Average`.
+/// How light and opacity of one segment are computed in emission-absorption, T is exact in `Exact` and `Average`; and, with `Pcp`, in emission.
 ///
 /// ```
 /// # use cellfan::optics::model::Integral;
@@ -72,11 +72,13 @@ pub enum Integral {
     Average,
     /// The mean colour times an opacity looked up in a table: [`OpacityTexture`](super::texture::OpacityTexture).
     Texture,
+    /// Emission by the mean of both ends, times a length in eight bits of the cell's depth: [`NormalisedLengths`](super::NormalisedLengths).
+    Pcp,
 }
 
 impl Integral {
     /// Every integral, in the order of the documentation.
-    pub const ALL: [Self; 3] = [Self::Exact, Self::Average, Self::Texture];
+    pub const ALL: [Self; 4] = [Self::Exact, Self::Average, Self::Texture, Self::Pcp];
 
     /// The name on the command line and in files.
     pub fn name(self) -> &'static str {
@@ -84,6 +86,7 @@ impl Integral {
             Self::Exact => "exact",
             Self::Average => "average",
             Self::Texture => "texture",
+            Self::Pcp => "pcp",
         }
     }
 }

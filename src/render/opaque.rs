@@ -42,9 +42,10 @@ impl Lists {
 fn bytes_to_make(dataset: &Dataset, options: &GeometryOptions) -> u64 {
     let (tets, hexahedra, vertices) =
         (dataset.tets.len() as u64, dataset.hexahedra.len() as u64, dataset.positions.len() as u64);
-    let canonical = if hexahedra == 0 { 0 } else { 20 * vertices };
-    let surface = 20 * tets + 30 * hexahedra + canonical;
-    let edges = tets * (2 * 8 + 24 * 5 / 4) + hexahedra * (5 * 8 + 24 * 3) + canonical;
+    let canonical = if tets == dataset.cells() as u64 { 0 } else { 20 * vertices };
+    let faces = dataset.polyhedra.faces() as u64;
+    let surface = 20 * tets + 30 * hexahedra + 2 * faces + canonical;
+    let edges = tets * (2 * 8 + 24 * 5 / 4) + hexahedra * (5 * 8 + 24 * 3) + 100 * faces + canonical;
     let points = 13 * vertices + canonical;
     let taken = [(options.surface, surface), (options.edges, edges), (options.points, points)];
     taken.into_iter().filter(|(color, _)| color.is_some()).map(|(_, bytes)| bytes).max().unwrap_or(0)

@@ -4,7 +4,7 @@
 use super::loan::lend;
 use super::view::{Cells, Indices, MeshView};
 use crate::cells::{CellKind, HEXAHEDRON, TETRAHEDRON, hexahedron_of};
-use crate::columns::{CellCounts, CellMesh, CellsInPlace, Column, HexCorners, Positions, StructuredBlock};
+use crate::columns::{CellCounts, CellMesh, CellsInPlace, Column, FaceLists, HexCorners, Positions, StructuredBlock};
 use crate::error::{Error, Result};
 use crate::io::UnstructuredMesh;
 
@@ -120,9 +120,13 @@ unsafe fn mixed(
         types: unsafe { lend(types) },
         offsets: (0..offsets.len()).map(offset).collect(),
         connectivity,
+        faces: FaceLists::default(),
         arrays: Vec::new(),
     };
-    let CellMesh { tets, file_from_tet, hexahedra, file_from_hexahedron, counts, .. } = mesh.into_cells()?;
+    let CellMesh { tets, file_from_tet, hexahedra, file_from_hexahedron, polyhedra, mut counts, .. } =
+        mesh.into_cells()?;
+    // Prisms of five and six sides: a session does not draw them.
+    counts.unsupported += polyhedra.cells() as u64;
     Ok(CellsInPlace {
         tets,
         file_from_tet: Some(file_from_tet),

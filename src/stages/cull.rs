@@ -34,7 +34,16 @@ pub fn all(block: &BlockView, cell_from_visible: &mut Vec<u32>) {
             let is_there = |&cell: &u32| !hexahedra.shape(cell as usize).is_absent();
             cell_from_visible.extend((0..hexahedra.len() as u32).filter(is_there));
         }
+        BlockCells::Polyhedra(polyhedra) => cell_from_visible.extend(0..polyhedra.len() as u32),
     }
+}
+
+/// The same for any number of values.
+fn interval_of(values: impl Iterator<Item = f32>) -> (f32, f32) {
+    values.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), value| {
+        let nan = value * 0.0;
+        (low.min(value) + nan, high.max(value) + nan)
+    })
 }
 
 /// Appends the block-local cells that can show to `cell_from_visible`; returns how many were transparent and invalid.
@@ -64,6 +73,13 @@ pub fn cull(
                 return sift(cells, of_cell, optics, cell_from_visible);
             }
             sift(cells, |cell| interval_of_eight(hexahedra.get(cell).map(of_vertex)), optics, cell_from_visible)
+        }
+        (BlockCells::Polyhedra(polyhedra), Association::Cell) => {
+            sift(0..polyhedra.len(), of_cell, optics, cell_from_visible)
+        }
+        (BlockCells::Polyhedra(polyhedra), Association::Point) => {
+            let interval = |cell: usize| interval_of(polyhedra.corners(cell).iter().map(|&v| of_vertex(v)));
+            sift(0..polyhedra.len(), interval, optics, cell_from_visible)
         }
     }
 }

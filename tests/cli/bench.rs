@@ -112,6 +112,23 @@ fn hexahedra_are_counted_by_case() {
 }
 
 #[test]
+fn polyhedra_are_drawn_with_and_without_an_order() {
+    let place = Place::new();
+    let found = record(&place, "polyhedra --size 64x48 --cells 60");
+    let all = rows(&found, "rows");
+    // The search light alone is small, as both kinds and with both data; and two meshes of polyhedra.
+    assert_eq!(all.len(), 2 * 2 + 2 * 2, "{found}");
+    assert_eq!((&all[0]["cells"], &all[0]["paper"]["frames_per_s"]), (&1395.into(), &115.8.into()));
+    for row in all {
+        for model in ["emission", "mip", "emission_absorption"] {
+            is_a_time(&row[model]["time"]);
+        }
+    }
+    let text = bench(&place, "polyhedra --size 64x48 --cells 60").succeeds().out;
+    assert!(text.contains("MIP : emission") && text.contains("115.8"), "{text}");
+}
+
+#[test]
 fn frames_grow_with_cells_threads_and_pixels() {
     let place = Place::new();
     let found = record(&place, "scaling --max-cells 3000 --max-side 64 --threads 3 --folder .");

@@ -184,6 +184,90 @@ pub(crate) fn vtu() -> Seeds {
     seeds
 }
 
+/// A pyramid, a hexagonal prism and a cube, the first and the last as polyhedra: in streams, in lists, in a `.vtk`.
+pub(crate) fn polyhedra() -> Seeds {
+    let cube = "6 4 5 9 8 4 4 6 7 11 10 4 5 6 10 9 4 8 11 7 4 4 5 4 7 6 4 8 9 10 11";
+    let pyramid = "5 4 0 3 2 1 3 0 1 10 3 1 2 10 3 2 3 10 3 3 0 10";
+    let prism = "0 1 2 3 4 5 6 7 8 9 10 11";
+    let points = "0 0 0 1 0 0 1.5 1 0 1 2 0 0 2 0 -1 1 0 0 0 1 1 0 1 1.5 1 1 1 2 1 0 2 1 -1 1 1";
+    let array = |name: &str, kind: &str, values: &str| {
+        format!("<DataArray type='{kind}' Name='{name}' format='ascii'>{values}</DataArray>")
+    };
+    let vtu = |faces: String| {
+        format!(
+            "<VTKFile type='UnstructuredGrid'><UnstructuredGrid><Piece NumberOfPoints='12' NumberOfCells='3'><Points>\
+             <DataArray type='Float32' NumberOfComponents='3' format='ascii'>{points}</DataArray></Points><Cells>{}{}{}{faces}</Cells>\
+             <CellData>{}</CellData></Piece></UnstructuredGrid></VTKFile>",
+            array("connectivity", "Int64", &format!("0 1 2 3 10 {prism} 4 5 6 7 8 9 10 11")),
+            array("offsets", "Int64", "5 17 25"),
+            array("types", "UInt8", "42 16 42"),
+            array("a", "Float32", "1 2 3"),
+        )
+        .into_bytes()
+    };
+    let streams = array("faces", "Int64", &format!("{pyramid} {cube}")) + &array("faceoffsets", "Int64", "22 -1 53");
+    let of_cube = "5 9 8 4 6 7 11 10 5 6 10 9 8 11 7 4 5 4 7 6 8 9 10 11";
+    let lists = array("face_connectivity", "Int64", &format!("0 3 2 1 0 1 10 1 2 10 2 3 10 3 0 10 {of_cube}"))
+        + &array("face_offsets", "Int64", "4 7 10 13 16 20 24 28 32 36 40")
+        + &array("polyhedron_to_faces", "Int64", "0 1 2 3 4 5 6 7 8 9 10")
+        + &array("polyhedron_offsets", "Int64", "5 5 11");
+    let legacy = format!(
+        "# vtk DataFile Version 3.0\na title\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 12 float\n{points}\n\
+         CELLS 3 68\n22 {pyramid}\n12 {prism}\n31 {cube}\nCELL_TYPES 3\n42 16 42\nCELL_DATA 3\nSCALARS a float 1\n\
+         LOOKUP_TABLE default\n1 2 3\n"
+    );
+    vec![vtu(streams), vtu(lists), legacy.into_bytes()]
+}
+
+/// What parts the files of a case, and their names.
+pub(crate) const FOAM_END: &str = "\n// the next file\n";
+pub(crate) const FOAM_FILES: [&str; 5] = [
+    "constant/polyMesh/points",
+    "constant/polyMesh/faces",
+    "constant/polyMesh/owner",
+    "constant/polyMesh/neighbour",
+    "0/p",
+];
+
+pub(crate) const FOAM_WORDS: &[&str] = &[
+    FOAM_END,
+    "FoamFile{format ascii; class faceList;}",
+    "format binary;",
+    "class faceCompactList;",
+    "arch \"LSB;label=64;scalar=32\";",
+    "internalField uniform 1;",
+    "nonuniform List<scalar> 2(",
+    "4(0 1 2 3)",
+    "999999999{0}",
+    "/*",
+    "*/",
+    "-1",
+    "{",
+    "}",
+];
+
+/// Two tetrahedra with a face in common.
+pub(crate) fn openfoam() -> Seeds {
+    let file = |class: &str, body: &str| format!("FoamFile{{version 2.0; format ascii; class {class};}}\n{body}");
+    let faces = "7(3(1 2 3) 3(0 2 1) 3(0 1 3) 3(0 3 2) 3(1 2 4) 3(2 3 4) 3(3 1 4))";
+    let of = |field: &str| {
+        let files = [
+            file("vectorField", "5((0 0 0)(1 0 0)(0 1 0)(0 0 1)(1 1 1))"),
+            file("faceList", faces),
+            file("labelList", "7(0 0 0 0 1 1 1)"),
+            file("labelList", "1{1} // a comment"),
+            file("volScalarField", field),
+        ];
+        files.join(FOAM_END).into_bytes()
+    };
+    vec![
+        of(
+            "dimensions [0 0 0 0 0 0 0]; internalField nonuniform List<scalar> 2(1.5 2);\nboundaryField { a { type b; } }",
+        ),
+        of("internalField uniform 3;"),
+    ]
+}
+
 /// A folder with pieces for `.pvtu` files, one for all tests of this program.
 pub(crate) fn pieces() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();

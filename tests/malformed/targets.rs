@@ -67,6 +67,9 @@ const PICTURE: Limits = Limits { mebibytes: 32, ..TEXT };
 /// 408 pixels, in a vector that doubles.
 const CONTAINER: Limits = Limits { mebibytes: 192, millis: 2000, ..TEXT };
 
+/// A face of three corners takes eight bytes and becomes edges in two maps.
+const POLYHEDRA: Limits = Limits { times: 512, mebibytes: 64, millis: 2000 };
+
 /// All readers. One line each: name, seeds, what reads, words, limits.
 pub(crate) const TARGETS: &[Target] = &[
     target("vtu", seeds::vtu, |bytes| mesh(io::read_vtu(bytes, Path::new("a.vtu"))), seeds::XML_WORDS, XML),
@@ -85,6 +88,8 @@ pub(crate) const TARGETS: &[Target] = &[
     target("nrrd", seeds::nrrd, |bytes| volume(io::read_nrrd(bytes, &seeds::nrrd_path())), seeds::NRRD_WORDS, INFLATED),
     target("raw", seeds::raw, raw, seeds::RAW_WORDS, INFLATED),
     target("vtk", seeds::vtk, |bytes| mesh(io::read_vtk(bytes, Path::new("a.vtk"))), seeds::VTK_WORDS, GRID),
+    target("polyhedra", seeds::polyhedra, polyhedra, seeds::VTK_WORDS, POLYHEDRA),
+    target("openfoam", seeds::openfoam, openfoam, seeds::FOAM_WORDS, POLYHEDRA),
     target(
         "plot3d",
         seeds::plot3d,
@@ -158,6 +163,43 @@ fn raw(bytes: &[u8]) -> Result<(), String> {
     volume(io::read_raw(samples, Path::new("a.raw.gz"), &layout))
 }
 
+/// A `.vtu` or `.vtk` with polyhedra, whole and cut.
+fn polyhedra(bytes: &[u8]) -> Result<(), String> {
+    let read = if bytes.starts_with(b"#") {
+        io::read_vtk(bytes, Path::new("a.vtk"))
+    } else {
+        io::read_vtu(bytes, Path::new("a.vtu")).map(Mesh::from)
+    };
+    whole(read)
+}
+
+/// The files of a case, one after the other.
+fn openfoam(bytes: &[u8]) -> Result<(), String> {
+    let case = seeds::pieces().join("case");
+    let text = String::from_utf8_lossy(bytes);
+    for (part, name) in text.split(seeds::FOAM_END).zip(seeds::FOAM_FILES) {
+        let path = case.join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        let _ = std::fs::remove_file(&path);
+        std::fs::write(&path, part).unwrap();
+    }
+    whole(io::read_openfoam(&case).map(Mesh::from))
+}
+
+fn whole(read: cellfan::Result<Mesh>) -> Result<(), String> {
+    let message = |error: cellfan::Error| error.to_string();
+    let mesh = read.map_err(message)?;
+    if let Ok(dataset) = mesh.clone().into_dataset() {
+        check(&dataset);
+    }
+    let dataset = mesh.into_whole_dataset().map_err(message)?;
+    check(&dataset);
+    if let Ok(tetrahedra) = dataset.clone().into_tetrahedra() {
+        check(&tetrahedra);
+    }
+    draw_dataset(dataset, SortMethod::Auto)
+}
+
 /// A solution beside its grid.
 fn solution(bytes: &[u8]) -> Result<(), String> {
     let path = seeds::pieces().join("a.q");
@@ -173,6 +215,9 @@ fn check(dataset: &Dataset) {
     let hexahedra = dataset.hexahedra.view();
     let of_hexahedra = (0..hexahedra.len()).flat_map(|cell| hexahedra.get(cell));
     assert!(of_hexahedra.into_iter().all(|vertex| (vertex as usize) < points), "an index beyond the points");
+    let polyhedra = dataset.polyhedra.view();
+    let mut of_polyhedra = (0..polyhedra.len()).flat_map(|cell| polyhedra.corners(cell));
+    assert!(of_polyhedra.all(|&vertex| (vertex as usize) < points), "an index beyond the points");
     let finite = |position: &[f32; 3]| position.iter().all(|c| c.is_finite());
     assert!(dataset.positions.iter().all(finite), "a position that is not finite");
     assert!(dataset.bounds.diagonal_world().is_finite() && dataset.origin.is_finite(), "bounds that are not finite");

@@ -40,6 +40,7 @@ pub(crate) fn mesh(points: &[DVec3], cells: &[(u8, Vec<u32>)]) -> UnstructuredMe
             array("value", Association::Point, points.iter().map(value).collect()),
             array("cell_value", Association::Cell, cells.iter().map(|(_, corners)| value(&middle(corners))).collect()),
         ],
+        ..UnstructuredMesh::empty()
     }
 }
 

@@ -38,6 +38,7 @@ mod monoid;
 mod opaque;
 mod order;
 mod parity;
+mod polyhedra;
 mod polyhedron;
 mod real;
 mod reference;

@@ -1,6 +1,6 @@
-//! The slow twin of cells with faces of four corners: a closed skin of triangles, and every ray against every triangle, in f64.
+//! The slow twin of cells with faces of four corners or any number: a closed skin of triangles, and every ray against every triangle, in f64.
 //!
-//! A face is two triangles, cut from its corner of lowest index in the file. A ray is inside between its first and second
+//! A face is a fan of triangles, two of four corners, from its corner of lowest index in the file. A ray is inside between its first and second
 //! crossing, its third and fourth, and so on; s is linear on each triangle and linear along the ray between two crossings.
 
 use std::collections::HashMap;
@@ -54,6 +54,30 @@ impl Polyhedron {
         Self { center, radius_squared, triangles, index }
     }
 
+    /// Polyhedron `cell` of the dataset, with the values `scalar` of its vertices.
+    pub(crate) fn of_faces(
+        (index, cell): (usize, usize),
+        scalar: impl Fn(u32) -> f64,
+        dataset: &Dataset,
+        canonical_from_vertex: &[usize],
+    ) -> Self {
+        let at = |v: u32| DVec3::from_array(dataset.positions[v as usize].map(f64::from));
+        let polyhedra = dataset.polyhedra.view();
+        let corners = polyhedra.corners(cell);
+        let center = corners.iter().map(|&v| at(v)).sum::<DVec3>() / corners.len() as f64;
+        let radius_squared = corners.iter().map(|&v| at(v).distance_squared(center)).fold(0.0, f64::max) * (1.0 + 1e-9);
+        let mut triangles = Vec::new();
+        for face in polyhedra.faces(cell) {
+            let n = face.around.len();
+            let lowest = (0..n).min_by_key(|&i| canonical_from_vertex[face.around[i] as usize]).unwrap();
+            for i in 1..n - 1 {
+                let of = [lowest, lowest + i, lowest + i + 1].map(|i| face.around[i % n]);
+                triangles.push((of.map(at), of.map(&scalar)));
+            }
+        }
+        Self { center, radius_squared, triangles, index }
+    }
+
     /// The parts of a ray in the cell.
     pub(crate) fn meet(&self, ray: Ray, near: f64, far: f64) -> Vec<Segment> {
         let to_center = self.center - ray.origin;
@@ -84,7 +108,9 @@ impl Polyhedron {
             let w = [w0.max(near), w1.min(far)];
             let s = w.map(|w| s0 + (s1 - s0) * ((w - w0) / (w1 - w0)));
             let length_world = (w[1] - w[0]) * ray.direction.length();
-            (w[0] < w[1]).then_some(Segment { w, s, length_world, cell: self.index })
+            // Triangles of a face that is not convex overlap: a ray beside it crosses two of them at one depth.
+            let least = 1e-9 * self.radius_squared.sqrt() / ray.direction.length();
+            (w[1] - w[0] > least).then_some(Segment { w, s, length_world, cell: self.index })
         };
         crossings.chunks(2).filter_map(part).collect()
     }

@@ -93,6 +93,45 @@ fn real_meshes_whole() {
     assert!(failures.is_empty(), "\n{}", failures.join("\n"));
 }
 
+/// Prisms and polyhedra.
+const POLYHEDRA: &[(&str, &str)] = &[
+    ("unstructured/PentaHexa.vtk", "scalar2"),
+    ("unstructured/PentaHexa.vtk", "scalar1"),
+    ("unstructured/supportedElements.vtk", "attribute"),
+    ("unstructured/pebi3d_with_properties.vtu", "DENSITY"),
+    ("unstructured/pebi3d_with_properties.vtu", "GLOBAL_IDS_POINTS"),
+];
+
+#[test]
+fn real_polyhedra() {
+    let Some(folder) = data_folder("real_polyhedra") else { return };
+    let mut failures = Vec::new();
+    for (file, array) in POLYHEDRA {
+        println!("{file} {array}");
+        let dataset = io::open_mesh(&folder.join(file)).unwrap().into_whole_dataset().unwrap();
+        assert!(!dataset.polyhedra.is_empty() && dataset.counts.unsupported == 0, "{file}");
+        let lines = errors_of(&case(dataset, array), 120, &Model::ALL);
+        assert!(lines.iter().any(|(_, errors)| errors.pixels > 50), "{file} is blank");
+        let failed = lines.into_iter().filter(|(_, errors)| errors.pixels > 0 && !errors.are_small());
+        failures.extend(failed.map(|(line, _)| format!("{file:20} {array:20} {line}")));
+    }
+    // Times of a case: the points move at the last.
+    let case = folder.join("time/openfoam_box");
+    let heights = [0.0, 4.0].map(|time| {
+        let dataset = io::open_mesh(&io::openfoam_time(&case, time).unwrap()).unwrap().into_whole_dataset().unwrap();
+        assert_eq!((dataset.cells(), dataset.hexahedra.len()), (7200, 7200));
+        let field = dataset.field(&FieldSelection::parse("U", &dataset.arrays)).unwrap();
+        let (corners, bounds) = (dataset.corners_world(), dataset.bounds);
+        let transfer = smooth().stretched(field.range).unwrap();
+        let options = RenderOptions { model: Model::Emission, ..RenderOptions::default() };
+        let of = Case::of(dataset, field).render(options, &transfer, &Camera::framing(&corners, 35.0, 20.0, 64, 48));
+        assert!(of.image.covered([0.0; 4]) > 500);
+        bounds.max - bounds.min
+    });
+    assert!(heights[0] != heights[1], "{heights:?}");
+    assert!(failures.is_empty(), "\n{}", failures.join("\n"));
+}
+
 /// Blocks and listed cells, with arrays that the other lacks.
 #[test]
 fn real_meshes_of_two_kinds_in_a_multi_block_file() {

@@ -73,7 +73,8 @@ impl Reference {
         }
         let mut polyhedra = Vec::new();
         let hexahedra = dataset.hexahedra.view();
-        let canonical = if hexahedra.is_empty() { Vec::new() } else { canonical_from_vertex(dataset) };
+        let has_tets_alone = dataset.tets.len() == dataset.cells();
+        let canonical = if has_tets_alone { Vec::new() } else { canonical_from_vertex(dataset) };
         for hexahedron in (0..hexahedra.len()).filter(|&cell| !hexahedra.shape(cell).is_absent()) {
             let (vertex, index) = (hexahedra.get(hexahedron), dataset.tets.len() + hexahedron);
             for c in vertex.map(corner) {
@@ -85,6 +86,20 @@ impl Reference {
             };
             if scalars.iter().all(|s| s.is_finite()) {
                 polyhedra.push(Polyhedron::new(index, vertex, scalars, dataset, &canonical));
+            }
+        }
+        for cell in 0..dataset.polyhedra.len() {
+            let index = dataset.first_polyhedron() + cell;
+            let scalar = |v: u32| match field.association {
+                Association::Point => stored(v as usize),
+                Association::Cell => stored(index),
+            };
+            let corners = dataset.polyhedra.view().corners(cell);
+            for c in corners.iter().map(|&v| corner(v)) {
+                (low, high) = (low.min(c), high.max(c));
+            }
+            if corners.iter().all(|&v| scalar(v).is_finite()) {
+                polyhedra.push(Polyhedron::of_faces((index, cell), scalar, dataset, &canonical));
             }
         }
         Self { cells, polyhedra, origin: dataset.origin, diagonal_world: (high - low).length() }

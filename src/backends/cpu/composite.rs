@@ -19,6 +19,7 @@ use super::tile::{BLOCKS, PIXELS, TileFrame};
 use crate::optics::{CellSpan, Contribution, LANES, Optics};
 use crate::stages::footprints::hexahedra::{HexFootprint, Outline};
 use crate::stages::footprints::planes::Corners;
+use crate::stages::footprints::polyhedra::PolyFootprint;
 use crate::stages::sort::radix::{Pair, index_of};
 
 /// What compositing a tile needs beside its cells and its sink; kept between tiles and frames.
@@ -29,6 +30,7 @@ pub(super) struct Scratch {
     batch: TetBatch,
     tet_hits: TetHits,
     footprint: HexFootprint,
+    polyhedron: PolyFootprint,
     crossed: Crossed,
     hits: Hits,
 }
@@ -42,6 +44,7 @@ impl Default for Scratch {
             batch: TetBatch::default(),
             tet_hits: TetHits::default(),
             footprint: HexFootprint::default(),
+            polyhedron: PolyFootprint::default(),
             crossed: Crossed::default(),
             hits: Hits::default(),
         }
@@ -63,6 +66,7 @@ pub(super) fn composite<O: Optics, S: Sink<O>>(
 ) {
     let dataset = tile.frame.dataset;
     let (hexahedra, first_hexahedron) = (dataset.hexahedra.view(), dataset.tets.len());
+    let first_polyhedron = dataset.first_polyhedron();
     let mut gather = Gather::new(tile.frame, order);
     scratch.log.reset();
     for (nth, cells) in order.chunks(LANES).enumerate() {
@@ -78,6 +82,11 @@ pub(super) fn composite<O: Optics, S: Sink<O>>(
         while lane < cells.len() {
             if scratch.log.room() < PIXELS {
                 send::<O, S>(kernels, &mut scratch.log, sink);
+            }
+            if cell_of(lane) >= first_polyhedron {
+                composite_polyhedron(tile, optics, cell_of(lane), kernels, scratch, sink);
+                lane += 1;
+                continue;
             }
             if let Some(hexahedron) = cell_of(lane).checked_sub(first_hexahedron) {
                 let hexahedron = Hexahedron {
@@ -144,12 +153,48 @@ fn composite_hexahedron<O: Optics, S: Sink<O>>(
         return;
     }
     crossed.find((tile.frame.view, tile.first_px, tile.limits.as_deref()), hexahedron, footprint);
-    for nth in 0..crossed.most() {
+    for nth in 0..crossed.parts.most() {
         if log.room() < PIXELS {
             send::<O, S>(kernels, log, sink);
         }
-        crossed.put(nth, tile, hits, done);
+        crossed.parts.put(nth, tile, hits, done);
         hits.shade(optics, span, contributions, log);
+    }
+}
+
+/// Shades the fragments of the polyhedron that is cell `index` of the dataset.
+#[inline(always)]
+fn composite_polyhedron<O: Optics, S: Sink<O>>(
+    tile: &TileFrame,
+    optics: &O,
+    index: usize,
+    kernels: impl CellKernels,
+    scratch: &mut Scratch,
+    sink: &mut S,
+) {
+    let Scratch { log, contributions, polyhedron: footprint, hits, .. } = scratch;
+    let (dataset, constant) = (tile.frame.dataset, tile.frame.cell_values().map(|values| values[index]));
+    let cell = (&dataset.polyhedra.view(), index - dataset.first_polyhedron());
+    footprint.set_up((&tile.rays, &tile.exact_rays), cell, tile.frame.vertices, constant);
+    let done = if sink.is_any_done() { sink.done(footprint.v_max) } else { 0 };
+    let span = CellSpan::new(tile.frame.intervals(), footprint.s_min, footprint.s_max);
+    let span = span.within(tile.length_world_max([footprint.v_min, footprint.v_max])).of_cell(index);
+    if constant.is_some() && !O::IS_ORDERED {
+        kernels.meet_polyhedron::<true>(hits, tile, footprint, done);
+    } else {
+        kernels.meet_polyhedron::<false>(hits, tile, footprint, done);
+    }
+    hits.shade(optics, span, contributions, log);
+    if hits.of_polyhedron.parts.most() > 0 {
+        let parts = std::mem::take(&mut hits.of_polyhedron.parts);
+        for nth in 0..parts.most() {
+            if log.room() < PIXELS {
+                send::<O, S>(kernels, log, sink);
+            }
+            parts.put(nth, tile, hits, done);
+            hits.shade(optics, span, contributions, log);
+        }
+        hits.of_polyhedron.parts = parts;
     }
 }
 

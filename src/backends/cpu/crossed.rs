@@ -1,6 +1,6 @@
 //! Hexahedra that a ray may meet more than once, or that the near or far plane cuts: ray by ray, by the triangles it crosses.
 //!
-//! In: a cell. Out: all segments that rays have in it; the n-th of each ray go through [`Hits`] together.
+//! In: a cell. Out: all segments that rays have in it, as [`Parts`].
 //! Whether a ray crosses a triangle is decided by its three edges, each by the sign of one affine function, the same for all
 //! triangles at the edge: a ray through an edge crosses just one of two triangles that face the same way. In f64.
 
@@ -8,30 +8,17 @@ use arrayvec::ArrayVec;
 use glam::DVec3;
 
 use super::dispatch::Hexahedron;
-use super::hits::Hits;
-use super::tile::{BLOCK, BLOCKS, BLOCKS_A_SIDE, TileFrame, origin_of, place_of};
+use super::parts::{Part, Parts};
+use super::tile::{BLOCKS, place_of};
 use crate::columns::HexShape;
 use crate::optics::{LANES, Lanes};
 use crate::stages::View;
 use crate::stages::footprints::hexahedra::{HexFootprint, TRIANGLES};
 
-/// A part of a ray inside the cell.
-#[derive(Clone, Copy, Debug)]
-struct Part {
-    /// Column and row in the tile.
-    pixel: [u8; 2],
-    /// Which of its ray's parts it is.
-    nth: u8,
-    v: [f32; 2],
-    s: [f32; 2],
-}
-
 /// The parts of all rays in one cell; kept between cells and frames.
 #[derive(Debug, Default)]
 pub(super) struct Crossed {
-    parts: Vec<Part>,
-    /// Parts of the ray that has most.
-    most: u8,
+    pub(super) parts: Parts,
 }
 
 /// Edges of the triangles of a hexahedron: twelve, and six diagonals.
@@ -136,7 +123,6 @@ impl Crossed {
     ) {
         let Hexahedron { vertex, shape, vertices, .. } = *hexahedron;
         self.parts.clear();
-        self.most = 0;
         let corners = vertex.map(|v| vertices[v as usize]);
         let p = corners.map(|corner| DVec3::from_array(corner.position.map(f64::from)));
         // A damaged container may have a corner nowhere.
@@ -185,42 +171,8 @@ impl Crossed {
                     self.parts.push(Part { pixel: [x as u8, y as u8], nth, v, s: [stored(w0), stored(w1)] });
                     nth += 1;
                 }
-                self.most = self.most.max(nth);
             }
         }
-    }
-
-    /// How many parts the ray with most has.
-    pub(super) fn most(&self) -> u8 {
-        self.most
-    }
-
-    /// Puts the `nth` part of each ray into `hits`, but for the blocks in `done`.
-    #[inline(never)]
-    pub(super) fn put(&self, nth: u8, tile: &TileFrame, hits: &mut Hits, done: u64) {
-        let (mut blocks, mut rays) = (0, 0);
-        for block in 0..BLOCKS_A_SIDE * BLOCKS_A_SIDE {
-            let [x, y] = origin_of(block).map(|first| first as usize);
-            let lane_of = |part: &Part| {
-                let [column, row] = part.pixel.map(usize::from);
-                let is_in = part.nth == nth && (x..x + BLOCK).contains(&column) && (y..y + BLOCK).contains(&row);
-                is_in.then(|| (row - y) * BLOCK + column - x)
-            };
-            if done >> block & 1 == 1 || !self.parts.iter().any(|part| lane_of(part).is_some()) {
-                continue;
-            }
-            let mut lanes = 0_u16;
-            // Parts stand in rows: by ascending lane within a block.
-            for part in &self.parts {
-                let Some(lane) = lane_of(part) else { continue };
-                lanes |= 1 << lane;
-                hits.put_ray(rays, part.v, part.s, tile.length_world_per_depth[block][lane], tile.is_perspective());
-                rays += 1;
-            }
-            hits.begin_block(blocks, block, lanes);
-            blocks += 1;
-        }
-        hits.end_parts(blocks, rays);
     }
 }
 
@@ -249,5 +201,3 @@ fn depth_of(view: &View, v: f32) -> f64 {
         (true, false) => -f64::from(v),
     }
 }
-
-const _: () = assert!(LANES == BLOCK * BLOCK);

@@ -14,6 +14,7 @@ use super::hexahedra;
 use super::hits::Hits;
 use super::log::Log;
 use super::planes::TetBatch;
+use super::polyhedra;
 #[cfg(target_arch = "x86_64")]
 use super::simd::{ByAvx2, ByAvx512};
 use super::simd::{ByLane, Simd};
@@ -26,6 +27,7 @@ use crate::optics::{LANES, Optics};
 use crate::stages::SceneVertex;
 use crate::stages::footprints::hexahedra::HexFootprint;
 use crate::stages::footprints::planes::{Corners, TileRays};
+use crate::stages::footprints::polyhedra::PolyFootprint;
 use crate::stages::footprints::{BoxLanes, PixelBoxes};
 use crate::stages::sort::KeyMaker;
 use crate::stages::sort::radix::Pair;
@@ -237,6 +239,8 @@ pub(super) trait CellKernels: Simd {
     fn set_up(self, footprint: &mut HexFootprint, rays: &TileRays, hexahedron: &Hexahedron<'_>);
     /// [`hexahedra::meet`].
     fn meet(self, hits: &mut Hits, tile: &TileFrame, cell: &HexFootprint, done: u64);
+    /// [`polyhedra::meet`].
+    fn meet_polyhedron<const IS_SUM: bool>(self, hits: &mut Hits, tile: &TileFrame, cell: &PolyFootprint, done: u64);
 }
 
 /// A cell of the dataset with its corners among all vertices, and its value where it has one.
@@ -284,10 +288,15 @@ impl CellKernels for ByLane {
     fn meet(self, hits: &mut Hits, tile: &TileFrame, cell: &HexFootprint, done: u64) {
         hexahedra::meet(hits, tile, cell, self, done);
     }
+
+    #[inline(never)]
+    fn meet_polyhedron<const IS_SUM: bool>(self, hits: &mut Hits, tile: &TileFrame, cell: &PolyFootprint, done: u64) {
+        polyhedra::meet::<IS_SUM>(hits, tile, cell, self, done);
+    }
 }
 
 macro_rules! cell_kernels {
-    ($by:ty, $features:literal, $set_up_tets:ident, $meet_tets:ident, $set_up:ident, $meet:ident) => {
+    ($by:ty, $features:literal, $set_up_tets:ident, $meet_tets:ident, $set_up:ident, $meet:ident, $meet_polyhedron:ident) => {
         #[cfg(target_arch = "x86_64")]
         impl CellKernels for $by {
             fn set_up_tets(self, batch: &mut TetBatch, tile: &TileFrame, corners: &Corners) {
@@ -316,6 +325,17 @@ macro_rules! cell_kernels {
             fn meet(self, hits: &mut Hits, tile: &TileFrame, cell: &HexFootprint, done: u64) {
                 // SAFETY: as above.
                 unsafe { $meet(self, hits, tile, cell, done) }
+            }
+
+            fn meet_polyhedron<const IS_SUM: bool>(
+                self,
+                hits: &mut Hits,
+                tile: &TileFrame,
+                cell: &PolyFootprint,
+                done: u64,
+            ) {
+                // SAFETY: as above.
+                unsafe { $meet_polyhedron::<IS_SUM>(self, hits, tile, cell, done) }
             }
         }
 
@@ -349,15 +369,36 @@ macro_rules! cell_kernels {
         fn $meet(by: $by, hits: &mut Hits, tile: &TileFrame, cell: &HexFootprint, done: u64) {
             hexahedra::meet(hits, tile, cell, by, done);
         }
+
+        #[cfg(target_arch = "x86_64")]
+        #[target_feature(enable = $features)]
+        fn $meet_polyhedron<const IS_SUM: bool>(
+            by: $by,
+            hits: &mut Hits,
+            tile: &TileFrame,
+            cell: &PolyFootprint,
+            done: u64,
+        ) {
+            polyhedra::meet::<IS_SUM>(hits, tile, cell, by, done);
+        }
     };
 }
 
-cell_kernels!(ByAvx2, "avx2,popcnt,bmi1,bmi2", set_up_tets_avx2, meet_tets_avx2, set_up_avx2, meet_avx2);
+cell_kernels!(
+    ByAvx2,
+    "avx2,popcnt,bmi1,bmi2",
+    set_up_tets_avx2,
+    meet_tets_avx2,
+    set_up_avx2,
+    meet_avx2,
+    meet_polyhedron_avx2
+);
 cell_kernels!(
     ByAvx512,
     "avx512f,avx512bw,avx512dq,avx512vl,popcnt,bmi1,bmi2",
     set_up_tets_avx512,
     meet_tets_avx512,
     set_up_avx512,
-    meet_avx512
+    meet_avx512,
+    meet_polyhedron_avx512
 );

@@ -100,7 +100,7 @@ impl<'a> Gather<'a> {
     pub(super) fn hexahedron(&mut self, hexahedron: usize, place: usize) -> [u32; 8] {
         let vertex = if self.ahead.0 == hexahedron { self.ahead.1 } else { self.hexahedra.get(hexahedron) };
         let next = self.order.get(place + 1).and_then(|&pair| (index_of(pair) as usize).checked_sub(self.end));
-        if let Some(next) = next {
+        if let Some(next) = next.filter(|&next| next < self.hexahedra.len()) {
             self.ahead = (next, self.hexahedra.get(next));
             for v in self.ahead.1 {
                 prefetch(&self.vertices[v as usize]);

@@ -1,6 +1,7 @@
 //! The rays that meet one hexahedron, packed.
 //!
-//! In: blocks of pixels and the rays found in them, by [`hexahedra`](super::hexahedra) and [`crossed`](super::crossed). Out: their
+//! In: blocks of pixels and the rays found in them, by [`hexahedra`](super::hexahedra),
+//! [`polyhedra`](super::polyhedra) and, one by one, [`parts`](super::parts). Out: their
 //! fragments, in the [`Log`].
 #![expect(
     clippy::inline_always,
@@ -9,6 +10,7 @@
 
 use super::hexahedra::HexHits;
 use super::log::Log;
+use super::polyhedra::PolyHits;
 use super::tile::{BLOCKS, PIXELS};
 use crate::optics::{CellSpan, Contribution, LANES, Lanes, Optics, Segments};
 
@@ -31,6 +33,7 @@ pub(super) struct Hits {
     pub(super) length_world_per_depth: Box<Packed>,
     pub(super) segments: Box<[Segments; BLOCKS]>,
     pub(super) of_hexahedron: HexHits,
+    pub(super) of_polyhedron: PolyHits,
 }
 
 impl Default for Hits {
@@ -45,6 +48,7 @@ impl Default for Hits {
             length_world_per_depth: Box::new(NO_RAYS),
             segments: Box::new([Segments::NONE; BLOCKS]),
             of_hexahedron: HexHits::default(),
+            of_polyhedron: PolyHits::default(),
         }
     }
 }

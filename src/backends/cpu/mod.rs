@@ -3,8 +3,8 @@
 //! In: a [`Frame`](super::Frame) and an optical model. Out: an [`Image`](crate::image::Image), [`Counts`](super::Counts),
 //! spans in a [`Profile`](crate::profile::Profile).
 //! `compositor`: `project` → `bins` (per `block` of cells `cull`, `footprints`, `sort` keys; scatter to tiles) → per tile, by a
-//! `worker`: sort, `composite` a `tile` (sixteen cells at a time: `gather` corners, `planes`, rays that meet `tetrahedra`, or `hexahedra` and
-//! `crossed` ones with their `hits`; fragments to the `log`) into a `sink` (`blend`, which puts late fragments where they belong; `collect`
+//! `worker`: sort, `composite` a `tile` (sixteen cells at a time: `gather` corners, `planes`, rays that meet `tetrahedra`, or `hexahedra`,
+//! `crossed` ones and `polyhedra` with their `hits` and `parts`; fragments to the `log`) into a `sink` (`blend`, which puts late fragments where they belong; `collect`
 //! and sort per pixel; `sum`) → picture.
 //! Where the view stays as it is, the order is `kept`. Under a memory budget the bins are filled in `bands`, within what `budget` leaves, and blocks collected in `portions`.
 //! Cubes of a volume, which come in order, have tiles of their own (`cubes`).
@@ -29,7 +29,9 @@ mod hexahedra;
 mod hits;
 mod kept;
 mod log;
+mod parts;
 mod planes;
+mod polyhedra;
 mod portions;
 mod prefetch;
 mod simd;

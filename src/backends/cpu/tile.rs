@@ -10,6 +10,7 @@ use crate::backends::{Frame, OpaquePicture};
 use crate::optics::{LANES, Lanes};
 use crate::stages::View;
 use crate::stages::footprints::planes::TileRays;
+use crate::stages::footprints::polyhedra::ExactRays;
 
 /// Side of a block in pixels.
 pub(super) const BLOCK: usize = 4;
@@ -70,6 +71,7 @@ pub(super) fn place_of(column: usize, row: usize) -> usize {
 pub(super) struct TileFrame<'a> {
     pub(super) frame: &'a Frame<'a>,
     pub(super) rays: TileRays,
+    pub(super) exact_rays: ExactRays,
     pub(super) first_px: [u32; 2],
     pub(super) lanes: LaneGrid,
     /// World length per unit of view depth, per pixel.
@@ -94,6 +96,7 @@ impl<'a> TileFrame<'a> {
         Self {
             frame,
             rays: TileRays::new(view, x, y, TILE),
+            exact_rays: ExactRays::new(view, x, y),
             first_px: [x, y],
             lanes: LaneGrid::new(),
             length_world_per_depth,

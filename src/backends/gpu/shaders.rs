@@ -48,7 +48,8 @@ pub(super) fn of(Shading { model, integral, output, has_bands }: Shading) -> Mod
         (Model::EmissionAbsorption, Integral::Exact) if has_bands => {
             (&[shader!("ramp"), shader!("band_light")], Blend::OverByChannel, "as_it_is")
         }
-        (Model::EmissionAbsorption, Integral::Exact) => {
+        // `Pcp` is refused before.
+        (Model::EmissionAbsorption, Integral::Exact | Integral::Pcp) => {
             (&[shader!("light"), shader!("ramp"), shader!("emission_absorption")], Blend::Over, "light")
         }
         (Model::EmissionAbsorption, Integral::Average) => {

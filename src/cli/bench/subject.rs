@@ -102,7 +102,7 @@ impl Subject {
         match self.field.association {
             Association::Cell => value(cell),
             Association::Point => {
-                self.dataset.corners(cell).into_iter().map(|v| value(v as usize)).fold(f32::MIN, f32::max)
+                self.dataset.corners(cell).iter().map(|&v| value(v as usize)).fold(f32::MIN, f32::max)
             }
         }
     }

@@ -13,6 +13,10 @@ pub(super) enum What {
     Mesh(Kind),
     /// Light-emitting gas.
     Phenomenon(Phenomenon),
+    /// Truncated octahedra.
+    Honeycomb,
+    /// The Voronoi cells of random points.
+    Voronoi,
     /// A regular grid of samples.
     Volume,
 }
@@ -20,11 +24,11 @@ pub(super) enum What {
 impl What {
     /// All, in the order in which help lists them.
     pub(super) fn all() -> impl Iterator<Item = Self> {
-        Kind::ALL
-            .into_iter()
-            .map(Self::Mesh)
-            .chain(Phenomenon::ALL.into_iter().map(Self::Phenomenon))
-            .chain([Self::Volume])
+        Kind::ALL.into_iter().map(Self::Mesh).chain(Phenomenon::ALL.into_iter().map(Self::Phenomenon)).chain([
+            Self::Honeycomb,
+            Self::Voronoi,
+            Self::Volume,
+        ])
     }
 
     /// Its name on the command line.
@@ -32,6 +36,8 @@ impl What {
         match self {
             Self::Mesh(kind) => kind.name(),
             Self::Phenomenon(phenomenon) => phenomenon.name(),
+            Self::Honeycomb => "honeycomb",
+            Self::Voronoi => "voronoi",
             Self::Volume => "volume",
         }
     }
@@ -41,6 +47,8 @@ impl What {
         match self {
             Self::Mesh(kind) => kind.description(),
             Self::Phenomenon(phenomenon) => phenomenon.description(),
+            Self::Honeycomb => "truncated octahedra, Marschner-Lobb signal, as .vtu",
+            Self::Voronoi => "Voronoi cells of random points, Marschner-Lobb signal, as .vtu",
             Self::Volume => "regular grid of samples of a signal, as .nrrd",
         }
     }

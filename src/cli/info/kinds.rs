@@ -35,6 +35,7 @@ fn name(code: u8) -> String {
         CellClass::Volume { kind, nodes: Nodes::AnyOrder } => format!("{} of higher order", kind.name),
         CellClass::Unsupported("unknown kind") => format!("unknown kind {code}"),
         CellClass::Unsupported(name) => name.to_owned(),
+        CellClass::Polyhedron => "polyhedron".to_owned(),
         CellClass::LowerDimensional => lower_dimensional(code).to_owned(),
     }
 }

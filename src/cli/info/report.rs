@@ -39,6 +39,7 @@ pub(super) struct Drawn {
     pub(super) tetrahedra: u64,
     /// Whole cells with more than four corners: a container keeps them, other files are reported as cut.
     pub(super) hexahedra: u64,
+    pub(super) polyhedra: u64,
     pub(super) vertices: u64,
     pub(super) blocks: u64,
     /// What the mesh and its arrays take in memory; next to nothing for a container that is mapped.
@@ -167,8 +168,12 @@ impl Display for Report {
             array.line(f, width)?;
         }
         match &self.drawn {
-            Ok(Drawn { tetrahedra, hexahedra, vertices, memory_bytes, .. }) => {
-                let kinds = [(*tetrahedra, "tetrahedra"), (*hexahedra, "whole cells of more corners")];
+            Ok(Drawn { tetrahedra, hexahedra, polyhedra, vertices, memory_bytes, .. }) => {
+                let kinds = [
+                    (*tetrahedra, "tetrahedra"),
+                    (*hexahedra, "whole cells of more corners"),
+                    (*polyhedra, "polyhedra"),
+                ];
                 let cells = kinds.into_iter().filter(|(cells, _)| *cells > 0);
                 let cells =
                     cells.map(|(cells, kind)| format!("{} {kind}", grouped(cells))).collect::<Vec<_>>().join(" and ");

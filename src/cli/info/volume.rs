@@ -29,5 +29,5 @@ pub(super) fn drawn(volume: &Volume) -> (CellCounts, Result<Drawn, String>) {
         return (counts, Err(Error::NoCells { found }.to_string()));
     }
     let (vertices, memory_bytes) = (volume.points() as u64, volume.owned_bytes());
-    (counts, Ok(Drawn { tetrahedra: 0, hexahedra: cells, vertices, blocks: 1, memory_bytes }))
+    (counts, Ok(Drawn { tetrahedra: 0, hexahedra: cells, polyhedra: 0, vertices, blocks: 1, memory_bytes }))
 }

@@ -9,7 +9,7 @@ use clap::Args;
 
 use super::cubes::Cubes;
 use super::planes::Planes;
-use crate::cli::arguments::{Cells, bytes, length, named, one_of, region, size, transmittance, view};
+use crate::cli::arguments::{Cells, bytes, finite, length, named, one_of, region, size, transmittance, view};
 use crate::cli::meshes::Raw;
 
 /// What draws.
@@ -33,6 +33,9 @@ pub(in crate::cli) struct Arguments {
     /// [default: one that varies].
     #[arg(long, value_name = "NAME", help_heading = "Picture")]
     pub(super) array: Option<String>,
+    /// Of an OpenFOAM case: the time to draw [default: the last].
+    #[arg(long, value_name = "TIME", help_heading = "Picture", value_parser = finite, allow_hyphen_values = true)]
+    pub(super) time: Option<f64>,
     /// Colour and extinction: a .json (points, or materials by their values) or .csv file, or viridis, inferno, cool-warm or x-ray over the array's range
     /// [default: from the array's histogram].
     #[arg(long, value_name = "TF", help_heading = "Picture")]
@@ -123,8 +126,12 @@ const MODELS: [(&str, &str); 4] = [
     ("mip", "the colour of the largest value on the ray"),
 ];
 
-const INTEGRALS: [(&str, &str); 3] = [
+const INTEGRALS: [(&str, &str); 4] = [
     ("exact", "linear extinction and colour, to 1e-6"),
     ("average", "the mean colour times the exact opacity"),
     ("texture", "the mean colour times an opacity from a table"),
+    (
+        "pcp",
+        "emission and mip on the CPU: the mean emission of both ends times a length in eight bits of the cell's depth",
+    ),
 ];

@@ -4,7 +4,6 @@
 //! mesh's volume, none where it is background; the optical depth is that of a mesh as thick as this one. Absorption shows
 //! greys, emission adds up and must not blind, mip shows colours alone; a homogeneous mesh has one extinction.
 
-use arrayvec::ArrayVec;
 use cellfan::columns::{Association, Block, SampleVisitor, Samples, Volume, VolumeField};
 use cellfan::optics::presets::{ColorMap, OpacityProfile, preset};
 use cellfan::{ControlPoint, Dataset, Field, Model, Result, TransferFunction};
@@ -186,15 +185,16 @@ fn histogram(dataset: &Dataset, field: &Field, range: (f64, f64)) -> [u64; BINS]
     let of_block = |block: &Block| {
         let mut volumes = [0.0; BINS];
         for cell in block.cells.clone() {
-            let corners: ArrayVec<f32, 8> = match field.association {
-                Association::Point => dataset.corners(cell).into_iter().map(|v| field.values[v as usize]).collect(),
-                Association::Cell => std::iter::once(field.values[cell]).collect(),
+            let widen = |(low, high): (f64, f64), value: f32| {
+                value.is_finite().then(|| (low.min(place(value)), high.max(place(value))))
             };
-            if !corners.iter().all(|value| value.is_finite()) {
-                continue;
-            }
-            let places = || corners.iter().copied().map(place);
-            let (low, high) = (places().fold(bins, f64::min), places().fold(0.0, f64::max));
+            let ends = match field.association {
+                Association::Point => {
+                    dataset.corners(cell).iter().map(|&v| field.values[v as usize]).try_fold((bins, 0.0), widen)
+                }
+                Association::Cell => widen((bins, 0.0), field.values[cell]),
+            };
+            let Some((low, high)) = ends else { continue };
             let volume = dataset.volume_world(cell);
             let (first, last) = (low as usize, high as usize);
             if first == last {

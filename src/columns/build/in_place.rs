@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::describe;
 use crate::columns::placement::{Placement, orientation_of};
 use crate::columns::{
-    BitColumn, Block, Bounds, CellCounts, Column, Dataset, HexCorners, HexShape, Hexahedra, Positions, Tets,
+    BitColumn, Block, Bounds, CellCounts, Column, Dataset, HexCorners, HexShape, Hexahedra, Polyhedra, Positions, Tets,
     canonical_from_vertex,
 };
 use crate::error::{Error, Result};
@@ -143,6 +143,7 @@ impl Dataset {
             positions,
             tets,
             hexahedra,
+            polyhedra: Polyhedra::none(),
             positive,
             file_from_vertex: None,
             arrays: Vec::new(),

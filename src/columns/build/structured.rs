@@ -9,7 +9,8 @@ use super::{Points, check_arrays, describe};
 use crate::columns::canonical_from_point;
 use crate::columns::placement::Placement;
 use crate::columns::{
-    Array, BitColumn, Block, Bounds, CellCounts, Dataset, HexShape, Hexahedra, HexahedraView, StructuredBlock,
+    Array, BitColumn, Block, Bounds, CellCounts, Dataset, HexShape, Hexahedra, HexahedraView, Polyhedra,
+    StructuredBlock,
 };
 use crate::error::{Error, Result};
 
@@ -79,6 +80,7 @@ impl Dataset {
             positions: positions.into(),
             tets: Vec::new().into(),
             hexahedra,
+            polyhedra: Polyhedra::none(),
             positive: BitColumn::from_iter([]),
             file_from_vertex: None,
             file_from_cell: None,

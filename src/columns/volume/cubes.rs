@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::{Lattice, Volume, VolumeField};
-use crate::columns::{Association, Bounds, CellCounts, Dataset, Hexahedra};
+use crate::columns::{Association, Bounds, CellCounts, Dataset, Hexahedra, Polyhedra};
 
 /// A box of a volume's samples that has one value: what the octree selects and renderers draw.
 ///
@@ -73,6 +73,7 @@ impl CubeGrid {
             positions: Vec::new().into(),
             tets: Vec::new().into(),
             hexahedra: Hexahedra::none(),
+            polyhedra: Polyhedra::none(),
             positive: std::iter::empty().collect(),
             file_from_vertex: None,
             file_from_cell: None,

@@ -97,6 +97,7 @@ impl Block {
             hexahedra: hexahedra.into(),
             arrays: vec![array("value", Association::Point, value), array("cell_value", Association::Cell, cell_value)],
             counts: CellCounts { in_file: cells as u64, ..CellCounts::default() },
+            ..CellMesh::empty()
         })
     }
 

@@ -1,8 +1,10 @@
 //! `Splitter`: the tetrahedra of a mesh while its cells are cut.
 
+use glam::DVec3;
+
 use super::super::scratch::{Growing, Scratch};
 use crate::cells::{self, CellKind};
-use crate::columns::{Column, Points, canonical_from_point};
+use crate::columns::{Column, FaceLists, Points, canonical_from_point};
 use crate::error::Result;
 
 /// The tetrahedra so far, each with the cell that it is of.
@@ -39,6 +41,23 @@ impl<'a> Splitter<'a> {
             }
         });
         pushed
+    }
+
+    /// Adds the tetrahedra of cell `cell`, a polyhedron with these faces; whether it could be cut.
+    pub(super) fn split_polyhedron(&mut self, faces: &FaceLists, cell: usize) -> Result<bool> {
+        let Self { points, canonical, tets, file_from_tet } = self;
+        if canonical.is_empty() {
+            *canonical = canonical_from_point(points);
+        }
+        // What is cut agrees as the file has it; a few ulp from the positions that are drawn.
+        let origin = faces.faces(cell).flatten().next().map_or(DVec3::ZERO, |&point| points.get(point as usize));
+        let position = |point: u32| (points.get(point as usize) - origin).as_vec3();
+        let Some(fan) = faces.split(cell, |point| canonical[point as usize], position) else { return Ok(false) };
+        for tet in fan {
+            tets.push(tet)?;
+            file_from_tet.push(cell as u32)?;
+        }
+        Ok(true)
     }
 
     /// The columns: tetrahedra, and the cell of each.

@@ -76,7 +76,16 @@ impl StructuredMesh {
         let (hexahedra, file_from_hexahedron) = (hexahedra.finish()?, file_from_hexahedron.finish()?);
         let (points, arrays) = self.into_columns();
         let (tets, file_from_tet) = (Vec::new().into(), Vec::new().into());
-        let listed = CellMesh { points, tets, file_from_tet, hexahedra, file_from_hexahedron, arrays, counts };
+        let listed = CellMesh {
+            points,
+            tets,
+            file_from_tet,
+            hexahedra,
+            file_from_hexahedron,
+            arrays,
+            counts,
+            ..CellMesh::empty()
+        };
         Ok(WholeCells::Listed(listed))
     }
 

@@ -77,6 +77,8 @@ fn problem_of(dataset: &Dataset, block: usize) -> Option<(usize, &'static str)> 
         BlockCells::Hexahedra(hexahedra) => {
             problem_of_hexahedron(dataset, &view, view.base + cell, (hexahedra.get(cell), hexahedra.shape(cell)))
         }
+        // A container holds none.
+        BlockCells::Polyhedra(_) => None,
     };
     (0..view.len()).find_map(|cell| of_cell(cell).map(|problem| (view.base + cell, problem)))
 }

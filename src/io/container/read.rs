@@ -11,8 +11,8 @@ use glam::{DVec3, Vec3};
 use super::directory::{Directory, MAGIC, Span};
 use crate::cells::{CellKind, HEXAHEDRON, PYRAMID, TETRAHEDRON, WEDGE};
 use crate::columns::{
-    Array, ArrayRanges, BitColumn, Block, Bounds, Column, Dataset, Hexahedra, Neighbours, NumericColumn, SharedBytes,
-    Tets, ValueRanges,
+    Array, ArrayRanges, BitColumn, Block, Bounds, Column, Dataset, Hexahedra, Neighbours, NumericColumn, Polyhedra,
+    SharedBytes, Tets, ValueRanges,
 };
 use crate::error::{Error, Result, presentable, without_controls};
 use crate::io::mapping::bytes_of;
@@ -121,6 +121,7 @@ pub fn open(path: &Path, use_map: bool) -> Result<Dataset> {
         positions,
         tets,
         hexahedra,
+        polyhedra: Polyhedra::none(),
         positive,
         file_from_vertex: None,
         file_from_cell: None,

@@ -26,7 +26,7 @@ pub(super) fn of_dataset(dataset: &Dataset, scratch: &Scratch) -> Result<Unstruc
     };
     let drawn: Vec<u32> = (0..dataset.cells() as u32).filter(is_drawn).collect();
     let cell = |&cell: &u32| {
-        let mut corners = dataset.corners(cell as usize);
+        let mut corners: ArrayVec<u32, 8> = dataset.corners(cell as usize).iter().copied().collect();
         if corners.len() == HEXAHEDRON.corners {
             return (HEXAHEDRON.code, corners);
         }
@@ -66,7 +66,7 @@ fn list(
         offsets.push(connectivity.len() as u64)?;
     }
     let (types, offsets, connectivity) = (types.finish()?, offsets.finish()?, connectivity.finish()?);
-    Ok(UnstructuredMesh { points, types, offsets, connectivity, arrays })
+    Ok(UnstructuredMesh { points, types, offsets, connectivity, arrays, ..UnstructuredMesh::empty() })
 }
 
 /// The corners of a cell of any dimension, in VTK's order: from a vertex, each axis with more than one point doubles them.

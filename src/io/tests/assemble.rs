@@ -27,7 +27,7 @@ fn ghosts_lower_dimensional_and_unknown_cells_are_left_out_and_counted() {
         assert_eq!(mesh.into_tets().unwrap().counts.ghost, ghost);
     }
     let mut other = mesh();
-    other.types = vec![9, 42].into();
+    other.types = vec![9, 41].into();
     let counts = other.into_tets().unwrap().counts;
     assert_eq!((counts.lower_dimensional, counts.unsupported), (1, 1));
 }
@@ -57,6 +57,7 @@ fn coincident_points_count_as_one_when_faces_are_cut() {
         offsets: vec![0, 8, 16].into(),
         connectivity: (0..8).chain((8..16).rev()).collect(),
         arrays: Vec::new(),
+        ..UnstructuredMesh::empty()
     };
     let tets = mesh.into_tets().unwrap().tets;
     let on_face = |tets: &[[u32; 4]]| {
@@ -79,7 +80,7 @@ fn coincident_points_count_as_one_when_faces_are_cut() {
 #[test]
 fn what_does_not_fit_together_is_an_error() {
     type Damage = fn(&mut UnstructuredMesh);
-    let cases: [(Damage, &str); 7] = [
+    let cases: [(Damage, &str); 8] = [
         (|mesh| mesh.connectivity.to_mut()[8] = 6, "refers to point 6"),
         (|mesh| mesh.offsets.to_mut()[1] = 10, "connectivity"),
         (|mesh| mesh.offsets.to_mut()[1] = 3, "cell 0 (tetrahedron)"),
@@ -87,6 +88,7 @@ fn what_does_not_fit_together_is_an_error() {
         (|mesh| mesh.offsets.to_mut().truncate(2), "offsets"),
         (|mesh| mesh.types.to_mut().push(10), "offsets"),
         (|mesh| mesh.arrays[1].components = 2, "\"id\""),
+        (|mesh| mesh.types.to_mut()[1] = 42, "faces of cell 1 (polyhedron)"),
     ];
     for (damage, expected) in cases {
         let mut mesh = mesh();

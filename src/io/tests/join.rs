@@ -14,6 +14,7 @@ fn tetrahedron(x: f32, arrays: Vec<Array>) -> UnstructuredMesh {
         offsets: vec![0, 3, 7].into(),
         connectivity: vec![0, 1, 2, 0, 1, 2, 3].into(),
         arrays,
+        ..UnstructuredMesh::empty()
     }
 }
 

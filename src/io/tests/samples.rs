@@ -26,6 +26,7 @@ pub(super) fn mesh() -> UnstructuredMesh {
             ),
             array("id", Association::Cell, 1, vec![-3_i16, 300].into()),
         ],
+        ..UnstructuredMesh::empty()
     }
 }
 

@@ -6,7 +6,10 @@ use super::attributes::Attributes;
 use super::cells::Cells;
 use super::cursor::Cursor;
 use super::read_common;
+use crate::columns::FaceLists;
 use crate::error::Result;
+use crate::io::face_streams::{POLYHEDRON, points_of, push_stream};
+use crate::io::source::Source;
 
 /// Reads the sections after the head of the file.
 pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<UnstructuredMesh> {
@@ -40,6 +43,32 @@ pub(super) fn read(cursor: &mut Cursor<'_>) -> Result<UnstructuredMesh> {
     let bad = |cell, code| source.malformed("CELL_TYPES", format!("cell {cell} has type {code}"));
     mesh.types = whole_numbers(&types, 255, source.scratch, bad)?;
     (mesh.offsets, mesh.connectivity) = cells.into_columns(mesh.points.len() as u64, source)?;
+    read_faces(&mut mesh, source)?;
     mesh.arrays = attributes.into_arrays(mesh.points.len(), mesh.types.len(), source)?;
     Ok(mesh)
+}
+
+/// Takes the streams of faces that polyhedra have in the place of points; their points come there.
+fn read_faces(mesh: &mut UnstructuredMesh, source: Source<'_>) -> Result<()> {
+    if !mesh.types.contains(&POLYHEDRON) {
+        return Ok(());
+    }
+    let (mut offsets, mut connectivity) = (source.scratch.column(), source.scratch.column());
+    let (mut faces, mut points) = (FaceLists::default(), Vec::new());
+    offsets.push(0)?;
+    for (cell, &code) in mesh.types.iter().enumerate() {
+        let list = mesh.cell(cell).unwrap_or_default();
+        if code == POLYHEDRON {
+            push_stream(list, &mut faces)
+                .map_err(|problem| source.malformed("CELLS", format!("cell {cell} {problem}")))?;
+            points_of(&faces, cell, &mut points);
+            connectivity.extend(points.iter().copied())?;
+        } else {
+            faces.end_cell();
+            connectivity.extend(list.iter().copied())?;
+        }
+        offsets.push(connectivity.len() as u64)?;
+    }
+    (mesh.offsets, mesh.connectivity, mesh.faces) = (offsets.finish()?, connectivity.finish()?, faces);
+    Ok(())
 }

@@ -10,6 +10,7 @@ mod blocks;
 mod document;
 mod encoding;
 mod extent;
+mod faces;
 mod grid;
 mod parallel;
 mod stream;
@@ -17,6 +18,7 @@ mod stream;
 pub(super) use document::{Element, parse, split_appended};
 pub(super) use encoding::Encoding;
 pub(super) use extent::Extent;
+pub(super) use faces::faces;
 pub(super) use grid::{arrays, child, grid_of, points, read_grid, read_mapped};
 pub(super) use parallel::{NamedFiles, read_pieces};
 

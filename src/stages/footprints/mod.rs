@@ -9,6 +9,7 @@
 
 pub mod hexahedra;
 pub mod planes;
+pub mod polyhedra;
 
 use std::ops::Range;
 
@@ -93,7 +94,7 @@ impl PixelBoxes {
         let corners = cell.map(|v| screen[v as usize]);
         let nearest = corners.iter().fold(f32::INFINITY, |near, corner| near.min(corner.depth));
         if nearest < self.near {
-            return self.across_near(cell.map(|v| vertices[v as usize].position), corners.map(|c| c.depth));
+            return self.across_near(&cell.map(|v| vertices[v as usize].position), &corners.map(|c| c.depth));
         }
         if nearest > self.far {
             return None;
@@ -112,7 +113,7 @@ impl PixelBoxes {
             return None;
         }
         let pixels = if nearest < self.near {
-            self.across_near(positions, corners.map(|corner| corner.z))?
+            self.across_near(&positions, &corners.map(|corner| corner.z))?
         } else {
             let [a, b, c] = corners.map(Vec3::truncate);
             self.around(a.min(b).min(c), a.max(b).max(c))?
@@ -172,7 +173,32 @@ impl PixelBoxes {
             BlockCells::Hexahedra(hexahedra) => {
                 cells.for_each(|&cell| include(cell, self.of_cell(hexahedra.get(cell as usize), vertices, screen)));
             }
+            BlockCells::Polyhedra(polyhedra) => {
+                cells.for_each(|&cell| {
+                    include(cell, self.of_polyhedron(polyhedra.corners(cell as usize), vertices, screen));
+                });
+            }
         }
+    }
+
+    /// As [`PixelBoxes::of_cell`], for a cell with any number of corners.
+    fn of_polyhedron(&self, corners: &[u32], vertices: &[SceneVertex], screen: &[ScreenVertex]) -> Option<PixelBox> {
+        let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+        let (mut nearest, mut farthest) = (f32::INFINITY, f32::NEG_INFINITY);
+        for &v in corners {
+            let corner = screen[v as usize];
+            (low, high) = (low.min(corner.xy()), high.max(corner.xy()));
+            (nearest, farthest) = (nearest.min(corner.depth), farthest.max(corner.depth));
+        }
+        if farthest < self.near || nearest > self.far {
+            return None;
+        }
+        if nearest < self.near {
+            let positions: Vec<[f32; 3]> = corners.iter().map(|&v| vertices[v as usize].position).collect();
+            let depths: Vec<f32> = corners.iter().map(|&v| screen[v as usize].depth).collect();
+            return self.across_near(&positions, &depths);
+        }
+        self.around(low, high)
     }
 
     /// The rows of pixels that cells in `bounds` may touch; `None` where nothing in it can be seen: all before the near plane,
@@ -206,20 +232,20 @@ impl PixelBoxes {
     }
 
     /// The box around the part of a cell, or of a face, that lies behind the near plane.
-    fn across_near<const N: usize>(&self, positions: [[f32; 3]; N], depths: [f32; N]) -> Option<PixelBox> {
+    fn across_near(&self, positions: &[[f32; 3]], depths: &[f32]) -> Option<PixelBox> {
         let mut low = Vec2::INFINITY;
         let mut high = Vec2::NEG_INFINITY;
         let mut include = |p: Vec3| {
             let p = self.projection.project(p).truncate();
             (low, high) = (low.min(p), high.max(p));
         };
-        for i in 0..N {
+        for i in 0..depths.len() {
             if depths[i] < self.near {
                 continue;
             }
             let inside = Vec3::from_array(positions[i]);
             include(inside);
-            for j in (0..N).filter(|&j| depths[j] < self.near) {
+            for j in (0..depths.len()).filter(|&j| depths[j] < self.near) {
                 // Where edge i j meets the near plane; a hair behind it, so that rounding never leaves it in front.
                 let t = (depths[i] - self.near) / (depths[i] - depths[j]);
                 include(inside + (Vec3::from_array(positions[j]) - inside) * (t * (1.0 - 1e-6)));

@@ -146,7 +146,7 @@ impl TileRays {
 
     /// Of a cell with corners at `p`.
     #[inline(always)]
-    pub(super) fn extent<const N: usize>(&self, p: &[Vec3; N]) -> Extent {
+    pub(super) fn extent(&self, p: &[Vec3]) -> Extent {
         let (mut low, mut high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
         let (mut w_min, mut w_max) = (f32::INFINITY, f32::NEG_INFINITY);
         for &corner in p {

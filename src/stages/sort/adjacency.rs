@@ -31,7 +31,7 @@ impl Adjacency {
     /// No cell lies across the face.
     pub const NONE: u32 = Neighbours::NONE;
 
-    /// That of `dataset`: its own where it is right, which is looked at face by face, and otherwise made from the cells.
+    /// That of the tetrahedra and hexahedra of `dataset`: its own where it is right, which is looked at face by face, and otherwise made from the cells.
     pub fn new(dataset: &Dataset) -> Self {
         let stored = dataset.adjacency.as_ref().filter(|stored| stored.first_wrong(dataset).is_none());
         let neighbours = stored.cloned().unwrap_or_else(|| Neighbours::new(dataset));
@@ -45,7 +45,7 @@ impl Adjacency {
             let none = rows.across(cell as u32, faces).filter(|&(_, other)| other == Self::NONE);
             none.map(move |(k, _)| Face { cell: cell as u32, index: k as u32 })
         };
-        adjacency.exterior = (0..dataset.cells()).into_par_iter().flat_map_iter(exterior_of).collect();
+        adjacency.exterior = (0..dataset.first_polyhedron()).into_par_iter().flat_map_iter(exterior_of).collect();
         adjacency
     }
 

@@ -192,11 +192,29 @@ impl<'a> KeyMaker<'a> {
                 };
                 key_from_visible.extend(cells.map(|cell| key_of_depth(power.depth(corners(cell)) as f32)));
             }
+            (Self::Centroid(centroid), BlockCells::Polyhedra(polyhedra)) => {
+                let middle = |&cell: &u32| middle_of(polyhedra.corners(cell as usize), position).0;
+                key_from_visible.extend(cells.map(|cell| key_of_depth(centroid.depth([middle(cell)]))));
+            }
+            (Self::Power(power), BlockCells::Polyhedra(polyhedra)) => {
+                let key = |&cell: &u32| {
+                    let (middle, radius_squared) = middle_of(polyhedra.corners(cell as usize), position);
+                    key_of_depth(power.depth_of_sphere(middle.as_dvec3(), radius_squared.into()) as f32)
+                };
+                key_from_visible.extend(cells.map(key));
+            }
             (Self::Layers(layer_from_cell), _) => {
                 key_from_visible.extend(cells.map(|&cell| layer_from_cell[block.base + cell as usize]));
             }
         }
     }
+}
+
+/// The mean of some corners, and the mean square of their distances from it.
+fn middle_of(corners: &[u32], position: impl Fn(u32) -> Vec3) -> (Vec3, f32) {
+    let share = 1.0 / corners.len() as f32;
+    let middle = corners.iter().map(|&v| position(v)).sum::<Vec3>() * share;
+    (middle, corners.iter().map(|&v| position(v).distance_squared(middle)).sum::<f32>() * share)
 }
 
 /// A key that orders as the depth does, negative depths included; NaN comes last.

@@ -79,6 +79,7 @@ mod tests {
             offsets: Column::from(vec![0, 8, 12, 16]),
             connectivity: connectivity.into(),
             arrays: Vec::new(),
+            ..UnstructuredMesh::empty()
         };
         mesh.into_whole_dataset().unwrap()
     }

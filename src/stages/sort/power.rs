@@ -42,6 +42,17 @@ impl Power {
             Toward::Along(direction) => (a + two_k * 0.5).dot(direction),
         }
     }
+
+    /// The same for a sphere: of a cell with any number of corners, one that fits them.
+    pub fn depth_of_sphere(&self, center: DVec3, radius_squared: f64) -> f64 {
+        match self.toward {
+            Toward::Eye(eye) => {
+                let power = eye.distance_squared(center) - radius_squared;
+                power.abs().sqrt().copysign(power)
+            }
+            Toward::Along(direction) => center.dot(direction),
+        }
+    }
 }
 
 #[cfg(test)]

@@ -83,6 +83,7 @@ impl Cells {
             file_from_hexahedron: (tets..tets + hexahedra).collect(),
             arrays: Vec::new(),
             counts: CellCounts::default(),
+            ..CellMesh::empty()
         })
         .unwrap()
     }

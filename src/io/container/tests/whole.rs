@@ -68,7 +68,8 @@ pub(super) fn mixed(n: usize) -> CellMesh {
     }
     let arrays = arrays(points.len(), types.len());
     let (types, offsets, connectivity) = (types.into(), offsets.into(), connectivity.into());
-    let mesh = UnstructuredMesh { points: Points::F32(points), types, offsets, connectivity, arrays };
+    let points = Points::F32(points);
+    let mesh = UnstructuredMesh { points, types, offsets, connectivity, arrays, ..UnstructuredMesh::empty() };
     mesh.into_cells().unwrap()
 }
 

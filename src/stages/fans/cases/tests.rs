@@ -49,6 +49,7 @@ fn one_cell(kind: &CellKind, is_mirrored: bool, random: &mut Random) -> Dataset 
         file_from_hexahedron: vec![0].into(),
         arrays: Vec::new(),
         counts: CellCounts { in_file: 1, ..CellCounts::default() },
+        ..CellMesh::empty()
     })
     .unwrap()
 }

@@ -33,6 +33,7 @@ fn random_hexahedra(count: u32, random: &mut Random) -> Dataset {
         file_from_hexahedron: (0..count).collect(),
         arrays: vec![array],
         counts: CellCounts { in_file: count.into(), ..CellCounts::default() },
+        ..CellMesh::empty()
     })
     .unwrap()
 }

@@ -36,6 +36,8 @@ pub(super) fn sides(dataset: &Dataset, vertices: &[SceneVertex], toward: Toward,
                 of_tets_in_block(tets, |cell| dataset.positive.get(block.base + cell), corner, toward, sides);
             }
             BlockCells::Hexahedra(hexahedra) => of_hexahedra_in_block(hexahedra, corner, toward, sides),
+            // They are in no graph.
+            BlockCells::Polyhedra(_) => {}
         }
     });
 }
