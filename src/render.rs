@@ -11,6 +11,7 @@ mod fog;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod opaque;
+mod options;
 mod order;
 mod profiled;
 mod scene;
@@ -20,6 +21,7 @@ mod volume_scene;
 pub use cubes::{CubeScene, CubeStats, Detail};
 pub use depth_planes::depth_planes;
 pub use fog::{FogLook, FogRenderer};
+pub use options::{CpuMethod, RenderOptions};
 pub use profiled::profile_views;
 pub use scene::Scene;
 pub(crate) use update::Stillness;
@@ -28,7 +30,7 @@ pub use volume_scene::VolumeScene;
 use std::sync::Arc;
 use std::time::Instant;
 
-use crate::backends::cpu::{FanCompositor, InstructionSet, TileCompositor};
+use crate::backends::cpu::{FanCompositor, TileCompositor};
 #[cfg(feature = "gpu")]
 use crate::backends::gpu::GpuCompositor;
 use crate::backends::{Counts, Frame};
@@ -36,7 +38,6 @@ use crate::camera::Camera;
 use crate::columns::Dataset;
 use crate::control::Control;
 use crate::error::{Error, Result};
-use crate::geometry::GeometryOptions;
 use crate::image::{BandImage, DepthImage, Image};
 use crate::memory;
 #[cfg(feature = "gpu")]
@@ -50,65 +51,6 @@ use crate::stages::View;
 use crate::stages::fans::Faces;
 use crate::stages::sort::topological::Topological;
 use crate::stages::sort::{KeyMaker, SortMethod};
-
-/// How the CPU composites.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum CpuMethod {
-    /// Footprints in tiles: planes per pixel.
-    #[default]
-    Footprints,
-    /// Triangle fans, as in the papers.
-    Fans,
-}
-
-/// What to draw, beside the scene and the camera.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RenderOptions {
-    /// The optical model.
-    pub model: Model,
-    /// How a segment is integrated.
-    pub integral: Integral,
-    /// What an absorption picture holds.
-    pub output: Output,
-    /// How cells are put in order.
-    pub sort: SortMethod,
-    /// A ray ends below this transmittance, which bounds the error; 0 never ends one.
-    pub stop_transmittance: f32,
-    /// Footprints or fans.
-    pub cpu_method: CpuMethod,
-    /// How fans draw faces of four corners; footprints are always exact.
-    pub faces: Faces,
-    /// Count the neighbouring cells that the order puts the wrong way round.
-    pub check_order: bool,
-    /// What scene, picture and all that a frame takes may hold in bytes, columns of mapped files aside. A frame that would
-    /// exceed it is drawn in bands, to the same picture. Footprints only.
-    pub memory_bytes: Option<u64>,
-    /// Draw with this instruction set where the processor has it; the picture is the same.
-    pub instruction_set: Option<InstructionSet>,
-    /// Opaque geometry of the mesh in the volume.
-    pub geometry: GeometryOptions,
-    /// Also give how far away what is opaque is, in each pixel: [`Rendered::depth_world`].
-    pub depth: bool,
-}
-
-impl Default for RenderOptions {
-    fn default() -> Self {
-        Self {
-            model: Model::EmissionAbsorption,
-            integral: Integral::Exact,
-            output: Output::Intensity,
-            sort: SortMethod::Auto,
-            stop_transmittance: 1e-5,
-            cpu_method: CpuMethod::Footprints,
-            faces: Faces::Exact,
-            check_order: false,
-            memory_bytes: None,
-            instruction_set: None,
-            geometry: GeometryOptions::default(),
-            depth: false,
-        }
-    }
-}
 
 /// A picture and how it came about.
 #[derive(Clone, Debug)]
