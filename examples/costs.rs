@@ -2,6 +2,7 @@
 //!
 //! `cargo run --release --no-default-features --example costs -- 1000000`. The figures of docs/embedding.md come from here.
 
+use std::cell::Cell;
 use std::time::{Duration, Instant};
 
 use cellfan::cells::TETRAHEDRON;
@@ -60,11 +61,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let options = RenderOptions { sort: SortMethod::Centroid, ..RenderOptions::default() };
     let camera = Camera::framing(&session.corners_world(), 35.0, 20.0, size, size);
     let turned = camera.orbited(7.0);
-    let mut peak = 0.0_f64;
-    let mut picture = |session: &mut Session<'_>, what: &str, camera: &Camera, options: &RenderOptions| {
+    let peak = Cell::new(0.0_f64);
+    let picture = |session: &mut Session<'_>, what: &str, camera: &Camera, options: &RenderOptions| {
         let start = Instant::now();
         let rendered = session.render(camera, &transfer, options)?;
-        peak = peak.max(rendered.profile.peak_anonymous_bytes().unwrap_or(0) as f64 / count as f64 - before);
+        let seen = rendered.profile.peak_anonymous_bytes().unwrap_or(0) as f64 / count as f64 - before;
+        peak.set(peak.get().max(seen));
         Ok::<Duration, Error>(timed(what, start))
     };
     let first = picture(&mut session, "first picture", &camera, &options)?;
@@ -89,7 +91,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     session.update_topology(&mesh)?;
     timed("update_topology", start);
     let whole = picture(&mut session, "picture", &camera, &options)?;
-    println!("    at most {peak:.1} bytes a cell beside the caller's arrays");
+    println!("    at most {:.1} bytes a cell beside the caller's arrays", peak.get());
 
     // Cancelled at eleven moments of a picture, of the whole mesh and of a new session's first.
     let mut longest = [Duration::ZERO; 2];
