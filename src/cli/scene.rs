@@ -203,7 +203,7 @@ impl Arguments {
     /// The meshes, at the time that was asked for.
     fn at_time(&self, meshes: &[PathBuf]) -> cellfan::Result<Vec<PathBuf>> {
         match self.time {
-            Some(time) => meshes.iter().map(|path| io::openfoam_time(path, time)).collect(),
+            Some(time) => meshes.iter().map(|path| cellfan::io::openfoam_time(path, time)).collect(),
             None => Ok(meshes.to_vec()),
         }
     }
