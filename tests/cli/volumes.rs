@@ -63,7 +63,7 @@ fn raw_samples_need_their_layout() {
         place.run(["render", "--raw", layout, file, "-o", "a.png", "--backend", "cpu", "--size", "48x40"]).succeeds();
         assert!(covered(&place.path("a.png")) > 0.1);
     }
-    place.run(["convert", "b", "--raw", "3x4x5:u16be", "b.cells"]).succeeds();
+    place.run(["convert", "--raw", "3x4x5:u16be", "b", "b.cells"]).succeeds();
     for (arguments, parts) in [
         ("info a.raw --raw 3x4x6:u16be", vec!["a.raw", "144 bytes", "124"]),
         ("info a.raw --raw 3x4:u16", vec!["256x256x110:u8"]),
