@@ -25,7 +25,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use cellfan::image::DepthImage;
-use cellfan::io::{self, Scratch, container};
+use cellfan::io::{Scratch, container};
 use cellfan::profile::{MeshRecord, Profile};
 use cellfan::render::Detail;
 use cellfan::{

@@ -10,7 +10,6 @@ use clap::Args;
 use super::view::ViewSource;
 
 #[derive(Args)]
-#[group(id = "pictures_beside")]
 #[group(id = "external-picture")]
 pub(in crate::cli) struct Composite {
     /// Composite the volume with this picture, drawn from the same place and of the same size, by depth: an .exr with a channel Z, or a
