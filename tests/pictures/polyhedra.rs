@@ -240,6 +240,31 @@ fn a_homogeneous_mesh_is_watertight() {
     }
 }
 
+/// With the eye on a corner of cells, the planes of their faces there have no side for any ray.
+#[test]
+fn an_eye_on_a_corner_sees_all_cells_around_it() {
+    let dataset = generated(voronoi(&settings(100, 0.0)));
+    let is_inner = |p: &&[f32; 3]| p.iter().all(|x| (0.3..0.7).contains(x));
+    let corners: Vec<[f32; 3]> = dataset.positions.iter().filter(is_inner).take(3).copied().collect();
+    let field = dataset.homogeneous_field();
+    let origin = dataset.origin;
+    let case = Case::of(dataset, field);
+    let transfer = TransferFunction::new(vec![point(0.0, [1.0; 3], 1.5)]).unwrap();
+    for corner in corners {
+        let [_, (_, mut camera), _] = three_views(60, 48);
+        camera.eye = origin + DVec3::from_array(corner.map(f64::from));
+        for model in [Model::EmissionAbsorption, Model::Absorption] {
+            let image = case.render(RenderOptions { model, ..RenderOptions::default() }, &transfer, &camera).image;
+            for (x, y) in (0..48).flat_map(|y| (0..60).map(move |x| (x, y))) {
+                let through = (-1.5 * chord_of_unit_cube(&camera, x, y, 0.0)).exp();
+                let expected = if model == Model::Absorption { through } else { 1.0 - through };
+                let found = f64::from(image.pixel(x, y)[3]);
+                assert!((found - expected).abs() < 1e-4, "{corner:?}, {model}, ({x}, {y}): {found} for {expected}");
+            }
+        }
+    }
+}
+
 #[test]
 fn any_budget_and_instruction_set_gives_the_same_bytes() {
     let dataset = generated(honeycomb(&settings(500, 0.3)));
