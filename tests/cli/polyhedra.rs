@@ -1,4 +1,4 @@
-//! Prisms and polyhedra: generated, drawn, refused where they cannot be; OpenFOAM cases at their times.
+//! Prisms and polyhedra: generated, drawn, refused where they cannot be; `OpenFOAM` cases at their times.
 
 use super::{Place, covered};
 

@@ -101,12 +101,11 @@ fn read(arguments: &Arguments, is_quick: bool) -> Outcome<(String, Volume)> {
         return Ok(("generated, density of C60".to_owned(), volume(dims, Signal::Buckyball, SampleType::U8)?));
     };
     let _progress = Progress::running(format!("reading {}", path.display()));
-    match meshes::open(std::slice::from_ref(path), arguments.raw, &Scratch::memory())? {
-        Mesh::Volume(volume) => Ok((path.display().to_string(), volume)),
-        _ => {
-            let problem = format!("{} is no regular grid (.vti, NRRD, structured points, raw samples)", path.display());
-            Err(Error::Option { option: "VOLUME", problem }.into())
-        }
+    if let Mesh::Volume(volume) = meshes::open(std::slice::from_ref(path), arguments.raw, &Scratch::memory())? {
+        Ok((path.display().to_string(), volume))
+    } else {
+        let problem = format!("{} is no regular grid (.vti, NRRD, structured points, raw samples)", path.display());
+        Err(Error::Option { option: "VOLUME", problem }.into())
     }
 }
 

@@ -114,7 +114,7 @@ pub(super) fn run(arguments: &Arguments, session: &mut Session) -> Outcome<Repor
             "paper": {
                 "source": "Roettger and Ertl 2003, figure 4, sections 2 and 4",
                 "machine": PAPER_MACHINE,
-                "rows": value(&PAPER),
+                "rows": value(PAPER),
                 "hexahedra_per_s": { "emission": PAPER_EMISSION, "mip": PAPER_MIP },
             },
         }),
@@ -180,7 +180,7 @@ fn table(rows: &[Row]) -> Table {
             row.paper.map_or_else(none, |paper| digits(paper.frames_per_s)),
         ]);
     }
-    table.remark(&format!(
+    table.remark(format!(
         "The paper's hexahedra, on an {PAPER_MACHINE}: 0.212 million a second in emission, 0.643 in MIP, which is {:.1} : 1. Its \
          pictures' sizes are not known, and grids of its numbers of points stand for its meshes.",
         PAPER_MIP / PAPER_EMISSION

@@ -33,7 +33,7 @@ pub(in crate::cli) struct Arguments {
     /// [default: one that varies].
     #[arg(long, value_name = "NAME", help_heading = "Picture")]
     pub(super) array: Option<String>,
-    /// Of an OpenFOAM case: the time to draw [default: the last].
+    /// Of an `OpenFOAM` case: the time to draw [default: the last].
     #[arg(long, value_name = "TIME", help_heading = "Picture", value_parser = finite, allow_hyphen_values = true)]
     pub(super) time: Option<f64>,
     /// Colour and extinction: a .json (points, or materials by their values) or .csv file, or viridis, inferno, cool-warm or x-ray over the array's range
