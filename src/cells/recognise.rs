@@ -12,12 +12,12 @@ use super::{CellKind, HEXAHEDRON, PYRAMID, TETRAHEDRON, WEDGE};
 /// ```
 /// # use cellfan::cells::{WEDGE, recognise};
 /// let faces: [&[u32]; 5] = [&[7, 8, 9], &[3, 5, 4], &[8, 7, 3, 4], &[4, 5, 9, 8], &[9, 5, 3, 7]];
-/// let (kind, corners) = recognise(faces.into_iter()).unwrap();
+/// let (kind, corners) = recognise(&faces.into_iter()).unwrap();
 /// assert_eq!((kind, &corners[..]), (&WEDGE, &[7, 8, 9, 3, 4, 5][..]));
-/// assert!(recognise(faces.into_iter().skip(1)).is_none());
+/// assert!(recognise(&faces.into_iter().skip(1)).is_none());
 /// ```
 pub fn recognise<'a>(
-    faces: impl ExactSizeIterator<Item = &'a [u32]> + Clone,
+    faces: &(impl ExactSizeIterator<Item = &'a [u32]> + Clone),
 ) -> Option<(&'static CellKind, ArrayVec<u32, 8>)> {
     let with = |corners: usize| faces.clone().filter(move |face| face.len() == corners).count();
     let kind = match (faces.len(), with(3), with(4)) {
@@ -73,17 +73,19 @@ mod tests {
                     let by = (turn + k) % face.len();
                     face.rotate_left(by);
                 }
-                let (found, corners) = recognise(faces.iter().map(Vec::as_slice)).unwrap();
+                let (found, corners) = recognise(&faces.iter().map(Vec::as_slice)).unwrap();
                 assert_eq!(found, kind);
                 let mut sorted = corners.clone();
                 sorted.sort_unstable();
                 assert_eq!(sorted.as_slice(), &(10..10 + kind.corners as u32).collect::<Vec<_>>()[..]);
                 // Seen from inside it is no such cell.
-                faces.iter_mut().for_each(|face| face.reverse());
-                let mirrored = recognise(faces.iter().map(Vec::as_slice));
+                for face in &mut faces {
+                    face.reverse();
+                }
+                let mirrored = recognise(&faces.iter().map(Vec::as_slice));
                 assert!(mirrored.is_none_or(|(_, corners)| corners != sorted), "{}", kind.name);
                 faces[0][0] = 99;
-                assert!(recognise(faces.iter().map(Vec::as_slice)).is_none());
+                assert!(recognise(&faces.iter().map(Vec::as_slice)).is_none());
             }
         }
     }

@@ -140,7 +140,7 @@ impl Arguments {
         let settings = MapSettings { points: self.points, seed: self.seed, time_s: self.time };
         let ground = self.terrain.as_deref().map_or_else(|| ground_map(&settings), HeightMap::read)?;
         let fog = self.fog_map.as_deref().map_or_else(|| fog_map(&ground, &settings), HeightMap::read)?;
-        Terrain::new(ground, fog, self.side, [self.relief, self.fog_height])
+        Terrain::new(&ground, &fog, self.side, [self.relief, self.fog_height])
     }
 
     fn camera(&self, terrain: &Terrain, flight: &Flight, share: f64) -> Camera {

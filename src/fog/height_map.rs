@@ -98,8 +98,8 @@ impl HeightMap {
     }
 
     /// The same map with as many points as one of `side` points.
-    pub(super) fn resampled(self, side: usize) -> Result<Self> {
-        if self.side == side { Ok(self) } else { Self::sample(side, |at| self.height(at)) }
+    pub(super) fn resampled(&self, side: usize) -> Result<Self> {
+        if self.side == side { Ok(self.clone()) } else { Self::sample(side, |at| self.height(at)) }
     }
 }
 

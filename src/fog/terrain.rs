@@ -15,7 +15,7 @@ use crate::generate::noise::smoothstep;
 /// use cellfan::fog::{Detail, HeightMap, Profile, Terrain};
 /// let ground = HeightMap::sample(33, |at| at.x)?;
 /// let fog = HeightMap::sample(33, |at| (1.0 - at.x) * 0.5)?;
-/// let terrain = Terrain::new(ground, fog, 10.0, [1.0, 0.2])?;
+/// let terrain = Terrain::new(&ground, &fog, 10.0, [1.0, 0.2])?;
 /// let full = terrain.landscape(&Detail::Full, Profile::Emission);
 /// assert_eq!(full.triangles.len(), 2 * 32 * 32);
 /// // Seen from afar a slope is two triangles.
@@ -46,7 +46,7 @@ impl Terrain {
     ///
     /// # Errors
     /// [`Error::Option`] where a size is not positive or there is no fog anywhere; [`Error::OutOfMemory`].
-    pub fn new(ground: HeightMap, fog: HeightMap, side_world: f64, scales_world: [f64; 2]) -> Result<Self> {
+    pub fn new(ground: &HeightMap, fog: &HeightMap, side_world: f64, scales_world: [f64; 2]) -> Result<Self> {
         for (option, size) in [("--side", side_world), ("--relief", scales_world[0]), ("--fog-height", scales_world[1])]
         {
             if !(size.is_finite() && size > 0.0) {
@@ -58,7 +58,7 @@ impl Terrain {
         let scaled = |map: &HeightMap, scale: f64| -> Vec<f32> {
             map.heights().iter().map(|&height| (f64::from(height) * scale) as f32).collect()
         };
-        let (ground, fog) = (scaled(&ground, scales_world[0]), scaled(&fog, scales_world[1]));
+        let (ground, fog) = (scaled(ground, scales_world[0]), scaled(&fog, scales_world[1]));
         let thickest = fog.iter().fold(0.0_f32, |most, &thick| most.max(thick));
         if !(thickest > 0.0 && fog.iter().all(|&thick| thick >= 0.0)) {
             let problem = "the fog is nowhere thicker than 0; give a map with some light pixels".to_owned();

@@ -9,7 +9,7 @@ fn terrain(points: usize) -> Terrain {
     let settings = MapSettings { points, ..MapSettings::default() };
     let ground = ground_map(&settings).unwrap();
     let fog = fog_map(&ground, &settings).unwrap();
-    Terrain::new(ground, fog, 10.0, [1.5, 0.3]).unwrap()
+    Terrain::new(&ground, &fog, 10.0, [1.5, 0.3]).unwrap()
 }
 
 fn seen_from(eye: DVec3, tolerance_px: f64) -> Detail {
@@ -104,7 +104,7 @@ fn prisms_fill_the_fog_and_end_where_it_does() {
     let ground = HeightMap::sample(17, |at| 0.3 * at.y).unwrap();
     // A wedge of fog over half of the square: thickness from 1 at x = 0 to 0 at x = 0.5.
     let fog = HeightMap::sample(17, |at| (1.0 - 2.0 * at.x).max(0.0)).unwrap();
-    let terrain = Terrain::new(ground, fog, 2.0, [1.0, 0.5]).unwrap();
+    let terrain = Terrain::new(&ground, &fog, 2.0, [1.0, 0.5]).unwrap();
     for detail in [Detail::Full, seen_from(DVec3::new(1.0, 1.0, 4.0), 0.5)] {
         let landscape = terrain.landscape(&detail, Profile::Emission);
         let dataset = Dataset::from_cells(landscape.fog).unwrap();
@@ -122,7 +122,7 @@ fn a_view_without_fog_has_one_cell_that_shows_nothing() {
     let flat = HeightMap::sample(9, |_| 0.0).unwrap();
     // One point of fog, which a distant view leaves out.
     let fog = HeightMap::sample(9, |at| f64::from(at.distance(glam::DVec2::new(0.375, 0.375)) < 0.01)).unwrap();
-    let terrain = Terrain::new(flat, fog, 1.0, [1.0, 0.1]).unwrap();
+    let terrain = Terrain::new(&flat, &fog, 1.0, [1.0, 0.1]).unwrap();
     let landscape = terrain.landscape(&seen_from(DVec3::new(0.5, 0.5, 1e6), 1.0), Profile::Emission);
     assert_eq!((landscape.triangles.len(), landscape.fog.hexahedra.len()), (2, 1));
     assert!((0..landscape.fog.points.len()).all(|i| landscape.fog.arrays[0].values.get(i) == 0.0));
@@ -146,5 +146,5 @@ fn maps_are_read_from_16_bit_pictures_and_bad_ones_are_refused() {
     assert!(HeightMap::read(&folder.path().join("none.png")).is_err());
     let ground = HeightMap::sample(9, |_| 0.5).unwrap();
     let none = HeightMap::sample(9, |_| 0.0).unwrap();
-    assert!(Terrain::new(ground, none, 1.0, [1.0, 0.1]).unwrap_err().to_string().contains("--fog-map"));
+    assert!(Terrain::new(&ground, &none, 1.0, [1.0, 0.1]).unwrap_err().to_string().contains("--fog-map"));
 }

@@ -31,7 +31,7 @@ pub fn honeycomb(settings: &Settings) -> Result<CellMesh> {
     settings.check()?;
     check_polyhedra(settings.cells)?;
     let count = |n: u128| n.pow(3) + (n - 1).pow(3);
-    let n = (1..).find(|&n| count(n) >= u128::from(settings.cells)).unwrap_or(1);
+    let n = (1..=1 << 11).find(|&n| count(n) >= u128::from(settings.cells)).unwrap_or(1);
     check_len("cells", count(n))?;
     let n = n as i32;
 

@@ -123,7 +123,9 @@ impl<A: Accept> SampleVisitor for Select<'_, A> {
         };
         let of_parts: Vec<Selection> = parts.par_iter().with_max_len(1).map(of_part).collect();
         selection.cubes.reserve(of_parts.iter().map(|part| part.cubes.len()).sum());
-        of_parts.iter().for_each(|part| selection.append(part));
+        for part in &of_parts {
+            selection.append(part);
+        }
         selection
     }
 }

@@ -1,3 +1,5 @@
+#![expect(clippy::float_cmp, reason = "extremes are those of samples, bit for bit")]
+
 use glam::DVec3;
 
 use super::*;
@@ -53,7 +55,7 @@ fn nodes_are_what_their_samples_say() {
         let values = bytes(dims, 3);
         let (_, field) = field(dims, values.clone());
         let hierarchy = Hierarchy::new(&field).unwrap();
-        assert_eq!(hierarchy.levels().last().is_none_or(|root| root.dims == [1; 3]), true);
+        assert!(hierarchy.levels().last().is_none_or(|root| root.dims == [1; 3]));
         for (number, level) in hierarchy.levels().iter().enumerate() {
             let mut covered = 0;
             for i in 0..level.len() {

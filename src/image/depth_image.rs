@@ -118,15 +118,13 @@ impl DepthImage {
             (colors.unwrap_or(image), depth.ok_or_else(missing)?)
         } else {
             let ZBuffer { width, height, depth_world, .. } = ZBuffer::read(bytes).map_err(named)?;
-            let image = match colors {
-                Some(colors) => colors,
-                None => {
-                    let what = || format!("a picture of {width}x{height} pixels");
-                    allocate(VolCondition::ImageMemory, what, 16 * u64::from(width) * u64::from(height))
-                        .map_err(named)?;
-                    let black = |depth: &f32| if depth.is_finite() { [0.0, 0.0, 0.0, 1.0] } else { [0.0; 4] };
-                    Image { width, height, pixels: depth_world.iter().map(black).collect() }
-                }
+            let image = if let Some(colors) = colors {
+                colors
+            } else {
+                let what = || format!("a picture of {width}x{height} pixels");
+                allocate(VolCondition::ImageMemory, what, 16 * u64::from(width) * u64::from(height)).map_err(named)?;
+                let black = |depth: &f32| if depth.is_finite() { [0.0, 0.0, 0.0, 1.0] } else { [0.0; 4] };
+                Image { width, height, pixels: depth_world.iter().map(black).collect() }
             };
             if [image.width, image.height] != [width, height] {
                 let problem =

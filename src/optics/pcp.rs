@@ -1,7 +1,7 @@
 //! Projected convex polyhedra as published (Roettger and Ertl 2003, section 3), kept to reproduce their pictures: a segment glows by the mean
 //! of the emission at its ends, times its length in eight bits of its cell's depth.
 //!
-//! The paper renders the back faces of a cell with α = (d − d_min)/Δd, takes the front faces' away, and weighs the colours of all faces
+//! The paper renders the back faces of a cell with `α = (d − d_min)/Δd`, takes the front faces' away, and weighs the colours of all faces
 //! with what is left, κ(S)Δd/2 each. Here each segment comes from the one pass that has its ends; α is rounded to 1/255 as a whole, where the
 //! paper rounds two depths, which is off by one step at most. Δd is the longest that a segment of the cell can be. Sums of light are
 //! in 32 bits, not eight.

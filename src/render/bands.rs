@@ -157,12 +157,12 @@ impl Gathered {
         let memory_bytes = budget.map(|bytes| bytes.saturating_sub(self.bytes));
         let (image, counts) =
             draw(&Frame { memory_bytes, ..*frame }).map_err(|error| with_bands(error, budget, self.bytes))?;
-        self.add(&image, places, counts);
+        self.add(&image, places, &counts);
         Ok(())
     }
 
     /// Adds a pass of the bands at `places`.
-    fn add(&mut self, pass: &Image, places: &[usize], counts: Counts) {
+    fn add(&mut self, pass: &Image, places: &[usize], counts: &Counts) {
         let all = self.layers.names.len();
         for (pixel, of_pass) in self.layers.values.chunks_exact_mut(all).zip(&pass.pixels) {
             places.iter().zip(of_pass).for_each(|(&band, value)| pixel[band] = *value);
@@ -175,7 +175,7 @@ impl Gathered {
                 places[..channels].iter().zip(of_light).for_each(|(&channel, light)| pixel[channel] = *light);
             }
         }
-        self.counts = busier(self.counts, counts);
+        self.counts = busier(&self.counts, counts);
     }
 
     /// The picture, all bands where it does not hold them, and what was counted.
@@ -197,8 +197,8 @@ fn first_four(image: &BandImage) -> Image {
 }
 
 /// The counts of the pass that drew more cells: bands that are arrays leave out different ones. What was counted of the order adds up.
-fn busier(a: Counts, b: Counts) -> Counts {
-    let counts = if b.drawn > a.drawn || a == Counts::default() { b } else { a };
+fn busier(a: &Counts, b: &Counts) -> Counts {
+    let counts = if b.drawn > a.drawn || *a == Counts::default() { *b } else { *a };
     Counts {
         violations: a.violations + b.violations,
         tiles_redone: a.tiles_redone + b.tiles_redone,

@@ -106,13 +106,12 @@ unsafe fn mixed(
     positions: Positions<'_>,
 ) -> Result<CellsInPlace> {
     let offset = |i: usize| offsets.get(i).unwrap_or(u64::MAX);
-    let connectivity = match indices.in_place() {
+    let connectivity = if let Some(in_place) = indices.in_place() {
         // SAFETY: the caller's obligation.
-        Some(in_place) => unsafe { lend(in_place) },
-        None => {
-            let cell_of = |i: usize| (0..types.len()).find(|&cell| offset(cell + 1) > i as u64).unwrap_or(0);
-            indices.narrowed(positions.len(), cell_of)?.into()
-        }
+        unsafe { lend(in_place) }
+    } else {
+        let cell_of = |i: usize| (0..types.len()).find(|&cell| offset(cell + 1) > i as u64).unwrap_or(0);
+        indices.narrowed(positions.len(), cell_of)?.into()
     };
     let mesh = UnstructuredMesh {
         points: positions.to_points(),

@@ -10,7 +10,7 @@ fn terrain(points: usize) -> Terrain {
     let settings = MapSettings { points, ..MapSettings::default() };
     let ground = ground_map(&settings).unwrap();
     let fog = fog_map(&ground, &settings).unwrap();
-    Terrain::new(ground, fog, 10.0, [1.6, 0.25]).unwrap()
+    Terrain::new(&ground, &fog, 10.0, [1.6, 0.25]).unwrap()
 }
 
 fn draw(terrain: &Terrain, camera: &Camera, look: &FogLook) -> Image {
@@ -62,7 +62,7 @@ fn a_flight_at_a_level_of_detail_looks_like_one_over_all_points() {
 fn light_of_a_layer_is_that_of_its_density_from_above_and_from_inside() {
     let ground = HeightMap::sample(17, |_| 0.0).unwrap();
     let fog = HeightMap::sample(17, |_| 1.0).unwrap();
-    let terrain = Terrain::new(ground, fog, 10.0, [1.0, 0.5]).unwrap();
+    let terrain = Terrain::new(&ground, &fog, 10.0, [1.0, 0.5]).unwrap();
     let look =
         FogLook { color: [1.0; 3], extinction_per_unit: 2.0, ..FogLook::new(Model::Emission, &terrain).unwrap() };
     for (height, expected) in [

@@ -171,8 +171,8 @@ fn cross<const IS_SUM: bool>(
     let [x, y] = origin_of(block);
     for (side, &[c, dx, dy]) in sides.iter_mut().zip(&cell.edges) {
         let at_block = c + dx * x + dy * y;
-        for i in 0..LANES {
-            side[i] = at_block + (dx * tile.lanes.x[i] + dy * tile.lanes.y[i]);
+        for ((side, x), y) in side.iter_mut().zip(&tile.lanes.x).zip(&tile.lanes.y) {
+            *side = at_block + (dx * x + dy * y);
         }
     }
     let mut found = Crossings::NONE;

@@ -108,7 +108,7 @@ impl Dataset {
         let kept = |row: usize| flat[row / 64] >> (row % 64) & 1 == 0;
         let order = match before {
             Some(before) if flat_tets == 0 && before.tets.len() == rows.len() => before.tets.row_from_cell().cloned(),
-            _ => order(&rows, &placement, position, (flat_tets > 0).then_some(kept)),
+            _ => order(&rows, &placement, position, (flat_tets > 0).then_some(&kept)),
         };
         drop((flat, rows));
         let positive = match &order {
@@ -219,9 +219,9 @@ fn order(
     rows: &Tets,
     placement: &Placement,
     position: impl Fn(u32) -> Vec3 + Sync + Copy,
-    kept: Option<impl Fn(usize) -> bool>,
+    kept: Option<&impl Fn(usize) -> bool>,
 ) -> Option<Column<u32>> {
-    let is_kept = |row: &u32| kept.as_ref().is_none_or(|kept| kept(*row as usize));
+    let is_kept = |row: &u32| kept.is_none_or(|kept| kept(*row as usize));
     let boxes = blocks(rows, &Hexahedra::none(), position);
     let volume = |bounds: Bounds| (bounds.max - bounds.min).as_dvec3().element_product();
     let sum: f64 = boxes.iter().map(|block| volume(block.bounds)).sum();

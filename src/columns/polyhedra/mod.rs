@@ -126,10 +126,9 @@ impl<'a> PolyFace<'a> {
     /// ```
     pub fn triangles(self) -> impl Iterator<Item = [u32; 3]> + 'a {
         let first = self.around[0];
-        self.around[1..].windows(2).map(move |two| match self.is_reversed {
-            false => [first, two[0], two[1]],
-            true => [first, two[1], two[0]],
-        })
+        self.around[1..]
+            .windows(2)
+            .map(move |two| if self.is_reversed { [first, two[1], two[0]] } else { [first, two[0], two[1]] })
     }
 }
 

@@ -53,7 +53,9 @@ impl Skin {
         }
         let is_mirrored = volume < 0.0;
         if is_mirrored {
-            faces.iter_mut().for_each(|face| face[1..].reverse());
+            for face in &mut faces {
+                face[1..].reverse();
+            }
         }
         Ok(Self { faces, is_mirrored })
     }

@@ -116,6 +116,7 @@ impl GridEye {
 }
 
 #[cfg(test)]
+#[expect(clippy::float_cmp, reason = "halves and wholes are exact")]
 mod tests {
     use super::super::Lattice;
     use super::*;

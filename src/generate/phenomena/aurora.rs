@@ -23,7 +23,8 @@ const FOLD_PER_S: f64 = 0.03;
 /// The curtains of the time.
 pub(super) fn aurora(settings: &PhenomenonSettings) -> Result<CellMesh> {
     let penetration = Penetration::new(settings);
-    Block::new(settings, [4.0, 4.0, 1.0], false)?.mesh(|at| {
+    let block = Block::new(settings, [4.0, 4.0, 1.0], false)?;
+    Ok(block.mesh(|at| {
         let down = 1.0 - at.z;
         let share = penetration.share(DVec2::new(at.x, at.y));
         // Columns without light keep a little thickness: they are left out, and no cell of others collapses.
@@ -33,7 +34,7 @@ pub(super) fn aurora(settings: &PhenomenonSettings) -> Result<CellMesh> {
         let glow = down * down * (1.0 - smoothstep(0.8, 1.0, down));
         let shows = if share > LEAST { share } else { 0.0 };
         (point, (2.0 * shows * glow).clamp(0.0, 1.0))
-    })
+    }))
 }
 
 /// How deep particles come, as a share of the deepest: curtains along lines where noise is 0.

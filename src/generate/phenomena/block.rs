@@ -45,7 +45,7 @@ impl Block {
         // Rounding may leave too few: grow by less than a box a side at a time.
         let step = 0.25 / parts.iter().fold(0.0_f64, |most, &part| most.max(part));
         let boxes =
-            (0..).map(|i| scaled(scale + f64::from(i) * step)).find(|&boxes| count(boxes) >= u128::from(wanted));
+            (0..1_000).map(|i| scaled(scale + f64::from(i) * step)).find(|&boxes| count(boxes) >= u128::from(wanted));
         let Some(boxes) = boxes else {
             return Err(Error::TooLarge { column: "cells", len: settings.cells, limit: u64::from(u32::MAX) - 1 });
         };
@@ -55,7 +55,7 @@ impl Block {
     }
 
     /// The cells, with points and their emission as functions of u, v, w; cells without emission at any corner are left out.
-    pub(super) fn mesh(&self, point: impl Fn(DVec3) -> (DVec3, f64) + Sync) -> Result<CellMesh> {
+    pub(super) fn mesh(&self, point: impl Fn(DVec3) -> (DVec3, f64) + Sync) -> CellMesh {
         let [nu, nv, nw] = self.boxes;
         let [pu, pv, pw] = self.points();
         let made: Vec<(DVec3, f64)> = (0..pu * pv * pw)
@@ -89,7 +89,7 @@ impl Block {
             values: NumericColumn::from(values),
         };
         let cells = cell_value.len();
-        Ok(CellMesh {
+        CellMesh {
             points: Points::F32(points),
             file_from_tet: (0..tets.len() as u32).collect(),
             file_from_hexahedron: (0..hexahedra.len() as u32).collect(),
@@ -98,7 +98,7 @@ impl Block {
             arrays: vec![array("value", Association::Point, value), array("cell_value", Association::Cell, cell_value)],
             counts: CellCounts { in_file: cells as u64, ..CellCounts::default() },
             ..CellMesh::empty()
-        })
+        }
     }
 
     /// Points along u, v and w.

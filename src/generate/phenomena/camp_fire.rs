@@ -15,7 +15,8 @@ const RISE_PER_S: f64 = 0.6;
 pub(super) fn camp_fire(settings: &PhenomenonSettings) -> Result<CellMesh> {
     let noise = Noise::new(settings.seed, 0.35, 4);
     let rise = DVec3::new(0.0, 0.0, RISE_PER_S * settings.time_s);
-    Block::new(settings, [1.0; 3], false)?.mesh(|at| (at, emission(&noise, at, rise)))
+    let block = Block::new(settings, [1.0; 3], false)?;
+    Ok(block.mesh(|at| (at, emission(&noise, at, rise))))
 }
 
 /// Hottest above the middle of the ground; noise, twice as high as wide, takes away more of it the higher it is.

@@ -26,7 +26,8 @@ const DRIFT_PER_S: DVec3 = DVec3::new(0.05, 0.02, 0.08);
 pub(super) fn laser_cone(settings: &PhenomenonSettings) -> Result<CellMesh> {
     let smoke = Noise::new(settings.seed, 0.3, 4);
     let drift = DRIFT_PER_S * settings.time_s;
-    Block::new(settings, [24.0, 2.0, 12.0], true)?.mesh(|at| {
+    let block = Block::new(settings, [24.0, 2.0, 12.0], true)?;
+    Ok(block.mesh(|at| {
         let (sin, cos) = (libm::sin(-TAU * at.x), libm::cos(TAU * at.x));
         let across = 2.0 * at.y - 1.0;
         let radius = MIRROR + RADIUS * at.z + THICKNESS * at.y;
@@ -34,5 +35,5 @@ pub(super) fn laser_cone(settings: &PhenomenonSettings) -> Result<CellMesh> {
         // The beam is brightest in the middle of its thickness; its light spreads over a growing circle.
         let beam = (1.0 - across * across) / (1.0 + 4.0 * at.z);
         (point, beam * (0.35 + 0.65 * (0.5 + smoke.space(point - drift))).clamp(0.0, 1.0))
-    })
+    }))
 }

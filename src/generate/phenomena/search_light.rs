@@ -27,12 +27,13 @@ pub(super) fn search_light(settings: &PhenomenonSettings) -> Result<CellMesh> {
     let along = DVec3::new(cos_e * cos_a, cos_e * sin_a, sin_e);
     let side = DVec3::new(-sin_a, cos_a, 0.0);
     let up = along.cross(side);
-    Block::new(settings, [1.0, 1.0, 4.0], false)?.mesh(|at| {
+    let block = Block::new(settings, [1.0, 1.0, 4.0], false)?;
+    Ok(block.mesh(|at| {
         let [x, y] = disc_from_square(2.0 * at.x - 1.0, 2.0 * at.y - 1.0);
         let radius = RADII[0] + (RADII[1] - RADII[0]) * at.z;
         let point = along * at.z + (side * x + up * y) * radius;
         (point, emission(at.z, x * x + y * y))
-    })
+    }))
 }
 
 /// Emission at a distance along the beam, and the square of the distance from its axis as a share of its radius.

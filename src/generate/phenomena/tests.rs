@@ -1,5 +1,3 @@
-#![expect(clippy::float_cmp, reason = "values are compared bit for bit")]
-
 use super::*;
 use crate::columns::{Association, Dataset, FieldSelection};
 

@@ -1,5 +1,7 @@
 //! Round trips, and the conditions 100 to 106 of Vol.
 
+#![expect(clippy::float_cmp, reason = "depths are kept bit for bit")]
+
 use std::fs;
 
 use glam::DVec3;

@@ -35,15 +35,12 @@ pub(super) fn read(case: &Case, cells: usize, scratch: &Scratch) -> Result<Vec<A
         }
         let mut file = Foam::open(&bytes, source)?;
         let Some(&(_, components)) = CLASSES.iter().find(|(class, _)| *class == file.class) else { continue };
-        match internal(&mut file, components, cells)? {
-            Some(values) => arrays.push(Array {
-                name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-                association: Association::Cell,
-                components,
-                values: values.into(),
-            }),
-            None => tracing::warn!("{}: its internal field is not written out, left out", path.display()),
-        }
+        let Some(values) = internal(&mut file, components, cells)? else {
+            tracing::warn!("{}: its internal field is not written out, left out", path.display());
+            continue;
+        };
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        arrays.push(Array { name, association: Association::Cell, components, values: values.into() });
     }
     Ok(arrays)
 }

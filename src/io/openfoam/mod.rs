@@ -1,7 +1,7 @@
-//! OpenFOAM cases: a polyMesh and the fields of one time.
+//! `OpenFOAM` cases: a `polyMesh` and the fields of one time.
 //!
 //! In: the folder of a case, or that of one of its times. Out: an [`UnstructuredMesh`] with a cell array for each field of values at cells.
-//! `case.rs` finds the times and what each has, `tokens.rs` reads lists in ASCII and in binary, `fields.rs` fields. A polyMesh lists faces,
+//! `case.rs` finds the times and what each has, `tokens.rs` reads lists in ASCII and in binary, `fields.rs` fields. A `polyMesh` lists faces,
 //! each with the cell that it points out of (owner) and the cell behind it (neighbour); cells whose faces are those of a hexahedron, wedge,
 //! pyramid or tetrahedron become one, the others polyhedra.
 
@@ -35,14 +35,11 @@ pub(super) fn is_case(folder: &Path) -> bool {
 pub fn openfoam_time(path: &Path, time: f64) -> Result<PathBuf> {
     let is_file = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("foam"));
     let folder = if is_file { path.parent().unwrap_or(path) } else { path };
-    match Case::at(folder) {
-        Some(case) => case.folder_of(time),
-        None => {
-            let (what, advice) =
-                ("choosing its time".to_owned(), "leave --time out, or name an OpenFOAM case".to_owned());
-            Err(Error::Unsupported { path: path.to_owned(), what, advice })
-        }
-    }
+    let Some(case) = Case::at(folder) else {
+        let (what, advice) = ("choosing its time".to_owned(), "leave --time out, or name an OpenFOAM case".to_owned());
+        return Err(Error::Unsupported { path: path.to_owned(), what, advice });
+    };
+    case.folder_of(time)
 }
 
 /// Reads the case in `folder`, or the time of a case that `folder` is; of a case the last time.
@@ -54,6 +51,7 @@ pub fn read_openfoam(folder: &Path) -> Result<UnstructuredMesh> {
 }
 
 /// As [`read_openfoam`], the columns where `scratch` says.
+#[expect(clippy::redundant_closure_for_method_calls, reason = "a method's name has one lifetime, a closure any")]
 pub(super) fn read_openfoam_in(folder: &Path, scratch: &Scratch) -> Result<UnstructuredMesh> {
     let Some(case) = Case::at(folder) else {
         let advice = if folder.join("processor0").is_dir() {
@@ -133,7 +131,7 @@ fn mesh_of(
             list.push_face(&of_cell);
         }
         list.end_cell();
-        if let Some((kind, corners)) = recognise(list.faces(0)) {
+        if let Some((kind, corners)) = recognise(&list.faces(0)) {
             types.push(kind.code);
             connectivity.extend_from_slice(&corners);
         } else {

@@ -1,7 +1,9 @@
+#![expect(clippy::float_cmp, reason = "numbers are read bit for bit")]
+
 use std::fs;
 
 use super::*;
-use crate::columns::{Array, Dataset, Sample};
+use crate::columns::{Array, Dataset};
 
 /// A case of a cube from 0 to 1 and a prism over a pentagon on it; with a field at times 0 and 2, the mesh twice as high at 2.
 fn write_case(folder: &Path, format: &str) {

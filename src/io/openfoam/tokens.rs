@@ -1,4 +1,4 @@
-//! The syntax of OpenFOAM files: a header, words and numbers, lists in ASCII or in binary.
+//! The syntax of `OpenFOAM` files: a header, words and numbers, lists in ASCII or in binary.
 //!
 //! A list is its length and its values in parentheses, or the length and one value in braces, which all have.
 
@@ -71,7 +71,7 @@ impl<'a> Foam<'a> {
             self.expect(b'}')?;
             return Ok(vec![value; count]);
         }
-        self.list(count, self.label_bytes, Self::label, |bytes| label_of(bytes))
+        self.list(count, self.label_bytes, Self::label, label_of)
     }
 
     /// The faces that the file lists, as those of one cell.

@@ -75,18 +75,18 @@ fn intensity(property: &Property) -> Option<f32> {
 }
 
 fn whole_numbers(property: &Property) -> Option<Box<[i64]>> {
-    fn all<T: Copy + Into<i64>>(values: &[T]) -> Option<Box<[i64]>> {
-        Some(values.iter().map(|&value| value.into()).collect())
+    fn all<T: Copy + Into<i64>>(values: &[T]) -> Box<[i64]> {
+        values.iter().map(|&value| value.into()).collect()
     }
-    match property {
+    Some(match property {
         Property::ListChar(values) => all(values),
         Property::ListUChar(values) => all(values),
         Property::ListShort(values) => all(values),
         Property::ListUShort(values) => all(values),
         Property::ListInt(values) => all(values),
         Property::ListUInt(values) => all(values),
-        _ => None,
-    }
+        _ => return None,
+    })
 }
 
 pub(super) fn read(bytes: &[u8], source: Source) -> Result<TriangleMesh> {

@@ -25,7 +25,8 @@ const SQUARE: [[f64; 3]; 6] = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0;
 
 fn text_stl(name: &str) -> String {
     let facet = |corners: &[[f64; 3]]| {
-        let vertices = corners.iter().map(|[x, y, z]| format!("vertex {x} {y} {z:e}\n")).collect::<String>();
+        let vertex = |[x, y, z]: &[f64; 3]| format!("vertex {x} {y} {z:e}\n");
+        let vertices = corners.iter().map(vertex).collect::<Vec<_>>().concat();
         format!("facet normal 0 0 1\n outer loop\n{vertices} endloop\nendfacet\n")
     };
     format!("solid{name}\n{}{}endsolid{name}\n", facet(&SQUARE[..3]), facet(&SQUARE[3..]))
@@ -37,7 +38,7 @@ fn binary_stl(header: &[u8]) -> Vec<u8> {
     bytes.extend(2_u32.to_le_bytes());
     for triangle in SQUARE.chunks(3) {
         let numbers = [[0.0, 0.0, 1.0]].iter().chain(triangle).flatten().copied().collect::<Vec<f64>>();
-        numbers.iter().for_each(|number| bytes.extend((*number as f32).to_le_bytes()));
+        bytes.extend(numbers.iter().flat_map(|&number| (number as f32).to_le_bytes()));
         bytes.extend([0; 2]);
     }
     bytes

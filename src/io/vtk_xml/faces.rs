@@ -44,9 +44,9 @@ fn streams(
     let end_from_cell = encoding.values(ends, Some(types.len()))?;
     let mut lists = FaceLists::default();
     let mut start = 0;
-    for cell in 0..types.len() {
+    for (cell, &kind) in types.iter().enumerate() {
         let end = end_from_cell.get(cell);
-        if types[cell] != POLYHEDRON {
+        if kind != POLYHEDRON {
             lists.end_cell();
             // Some writers repeat the last end, others say −1.
             continue;

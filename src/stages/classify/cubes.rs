@@ -168,7 +168,7 @@ static TABLES: Tables = {
         let ((axes, is_odd), flips) = (PERMUTATIONS[number / 8], number % 8);
         number += 1;
         // Odd permutations and flips are reflections; an even number of them is a rotation.
-        if (is_odd + flips.count_ones() as usize) % 2 == 0 {
+        if (is_odd + flips.count_ones() as usize).is_multiple_of(2) {
             let rotation = Rotation::new(axes, flips);
             tables.by_faces[rotation.faces[5] as usize][rotation.faces[0] as usize] = rotation;
         }
@@ -235,6 +235,7 @@ pub fn classify(beyond: [f64; 6]) -> Option<ClassifiedCube> {
 }
 
 #[cfg(test)]
+#[expect(clippy::float_cmp, reason = "zeros and largest values are exact")]
 mod tests {
     use std::collections::HashMap;
 
@@ -338,7 +339,7 @@ mod tests {
             // The names: how many are positive, how many zero.
             let zero = beyond.iter().filter(|&&beyond| beyond == 0.0).count();
             let name = format!("{:?}", found.case);
-            assert_eq!(name[4..6], format!("{seen}{}", zero), "{eye}");
+            assert_eq!(name[4..6], format!("{seen}{zero}"), "{eye}");
             *counts.entry(found.case).or_insert(0) += 1;
         }
         assert_eq!(counts.len(), 10, "{counts:?}");

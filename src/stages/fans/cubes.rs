@@ -41,7 +41,7 @@ enum Run {
 }
 
 /// The triangles of two runs.
-const fn triangles<const N: usize>(runs: [Run; 2]) -> [[u8; 3]; N] {
+const fn triangles<const N: usize>(runs: &[Run; 2]) -> [[u8; 3]; N] {
     let mut triangles = [[0; 3]; N];
     let (mut count, mut run) = (0, 0);
     while run < 2 {
@@ -62,13 +62,13 @@ const fn triangles<const N: usize>(runs: [Run; 2]) -> [[u8; 3]; N] {
 }
 
 static ONE: [[u8; 3]; CubeClass::One.triangles()] =
-    triangles([Run::Fan(&[2, 3, 7, 6, 4, 0, 3]), Run::Fan(&[1, 3, 0, 4, 5, 7, 3])]);
+    triangles(&[Run::Fan(&[2, 3, 7, 6, 4, 0, 3]), Run::Fan(&[1, 3, 0, 4, 5, 7, 3])]);
 static TWO: [[u8; 3]; CubeClass::Two.triangles()] =
-    triangles([Run::Fan(&[1, 7, 3, B, A, 4, 5, 7]), Run::Strip(&[7, 3, 6, B, 2, A, 0, 4])]);
+    triangles(&[Run::Fan(&[1, 7, 3, B, A, 4, 5, 7]), Run::Strip(&[7, 3, 6, B, 2, A, 0, 4])]);
 static THREE_A: [[u8; 3]; CubeClass::Two.triangles()] =
-    triangles([Run::Fan(&[A, 6, 2, 0, 4, 5, 1, B, 6]), Run::Fan(&[B, 1, 5, 7, 3, 2, 6])]);
+    triangles(&[Run::Fan(&[A, 6, 2, 0, 4, 5, 1, B, 6]), Run::Fan(&[B, 1, 5, 7, 3, 2, 6])]);
 static THREE_B: [[u8; 3]; CubeClass::Two.triangles()] =
-    triangles([Run::Fan(&[A, 6, B, 1, 0, 4, 5, 7, 6]), Run::Fan(&[B, 6, 7, 3, 2, 0, 1])]);
+    triangles(&[Run::Fan(&[A, 6, B, 1, 0, 4, 5, 7, 6]), Run::Fan(&[B, 6, 7, 3, 2, 0, 1])]);
 
 static TEMPLATES: [Template; 4] = [
     Template { triangles: &ONE, thick: &[0, 1, 2, 3], crossings: &[] },
@@ -90,7 +90,7 @@ struct Slab {
 impl Slab {
     fn new(face: u8, [low, high]: [DVec3; 2], eye: GridEye) -> Self {
         let axis = usize::from(face / 2);
-        let (enter, leave) = if face % 2 == 0 { (low[axis], high[axis]) } else { (high[axis], low[axis]) };
+        let (enter, leave) = if face.is_multiple_of(2) { (low[axis], high[axis]) } else { (high[axis], low[axis]) };
         let depth = match eye {
             GridEye::At(eye) => (enter - eye[axis]) / (leave - eye[axis]),
             GridEye::Along(direction) => (enter - leave) / direction[axis],
@@ -144,6 +144,7 @@ pub(super) struct CubeParts {
 
 impl<'a> FanInput<'a> {
     /// With cubes instead of the dataset's cells.
+    #[must_use]
     pub fn with_cubes(self, cubes: CubesInView<'a>) -> Self {
         let corners = cubes.outline(&self.projection).map(screen_vertex);
         // What lies within these corners is no nearer to the eye, and no farther outside.
@@ -241,6 +242,7 @@ fn is_beside(view: &View, corners: &[ScreenVertex; 8]) -> bool {
 }
 
 /// The vertices and triangles of a classified cube.
+#[expect(clippy::float_cmp, reason = "corners share coordinates bit for bit")]
 fn fans_of(
     input: &FanInput,
     cubes: &CubesInView,

@@ -1,9 +1,9 @@
 //! The triangles of one polyhedron relative to a tile, and how rays cross them.
 //!
 //! For the triangle a, b, c, counterclockwise seen from outside, and a ray from the eye e along d(x, y), let
-//! D_a = ((b−e)×(c−b))·d, and D_b, D_c likewise (parallel rays o(x, y) along f: D_a = (f×(c−b))·(o−b)): affine in x and y, one number for
+//! `D_a = ((b−e)×(c−b))·d`, and `D_b`, `D_c` likewise (parallel rays o(x, y) along f: `D_a = (f×(c−b))·(o−b)`): affine in x and y, one number for
 //! each edge, of opposite sign for the two triangles at it. The line of the ray crosses the triangle where the three have one sign:
-//! all positive where it leaves the cell, all negative where it enters. The crossing is at (D_a a + D_b b + D_c c) / (D_a + D_b + D_c): its
+//! all positive where it leaves the cell, all negative where it enters. The crossing is at `(D_a a + D_b b + D_c c) / (D_a + D_b + D_c)`: its
 //! depth and its scalar are means of the corners' with these weights, never outside of what they are between, however steep the
 //! triangle stands; no plane is needed.
 //!

@@ -1,7 +1,6 @@
 //! One tile of cubes: its rays in grid coordinates, and what is composited along them.
 #![expect(
     clippy::inline_always,
-    clippy::needless_range_loop,
     reason = "kernels must inline into the function compiled for wider vectors, and their loops over lanes become vector code"
 )]
 
@@ -58,7 +57,7 @@ struct BlockRays {
 
 /// A tile at work.
 pub(in crate::backends::cpu) struct CubeTile {
-    rays: Box<[BlockRays; BLOCKS]>,
+    rays: Vec<BlockRays>,
     sums: Box<[Contribution; BLOCKS]>,
     /// What rounding took from them, where contributions add up.
     lost: Box<[Contribution; BLOCKS]>,
@@ -72,7 +71,7 @@ impl Default for CubeTile {
         let nothing = [0.0; LANES];
         let rays = BlockRays { origin: [nothing; 3], depth_per_step: [nothing; 3], length_world: nothing };
         Self {
-            rays: Box::new([rays; BLOCKS]),
+            rays: vec![rays; BLOCKS],
             sums: Box::new([[nothing; 4]; BLOCKS]),
             lost: Box::new([[nothing; 4]; BLOCKS]),
             first_px: [0; 2],
