@@ -1,5 +1,7 @@
 //! `--surface`, `--edges`, `--points`; `--mesh`, `--composite`, `--depth`.
 
+#![expect(clippy::float_cmp, reason = "opaque is exactly 1")]
+
 use serde_json::json;
 
 use super::{Place, npy};

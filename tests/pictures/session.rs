@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 
 use cellfan::cells::{HEXAHEDRON, PYRAMID, TETRAHEDRON, WEDGE};
-use cellfan::columns::Association;
+use cellfan::columns::{Association, FaceLists};
 use cellfan::generate::Scheme;
 use cellfan::session::{Cells, Indices, MeshView, Scalars, Session, Threads};
 use cellfan::{
@@ -177,6 +177,7 @@ fn cells_of_all_kinds_give_the_picture_of_the_file() {
         types: types.clone().into(),
         offsets: offsets.clone().into(),
         connectivity: corners.clone().into(),
+        faces: FaceLists::default(),
         arrays: vec![array],
     };
     let cells = Cells::Mixed { types: &types, offsets: Indices::U64(&offsets), points: Indices::U32(&corners) };
@@ -200,6 +201,7 @@ fn cells_of_all_kinds_give_the_picture_of_the_file() {
             types: types.clone().into(),
             offsets: offsets.clone().into(),
             connectivity: corners.clone().into(),
+            faces: FaceLists::default(),
             arrays: Vec::new(),
         };
         let expected = of_file(file, 30.0);

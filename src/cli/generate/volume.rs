@@ -25,7 +25,10 @@ pub(super) struct VolumeArguments {
     samples: SampleType,
 }
 
-const SIGNALS: [(&str, fn(Orbital) -> Signal); 3] =
+/// A signal of the orbital that is asked for, which most do not ask.
+type SignalOf = fn(Orbital) -> Signal;
+
+const SIGNALS: [(&str, SignalOf); 3] =
     [("marschner-lobb", |_| Signal::MarschnerLobb), ("buckyball", |_| Signal::Buckyball), ("orbital", Signal::Orbital)];
 
 pub(super) fn run(arguments: &Arguments) -> Outcome {
@@ -58,7 +61,7 @@ fn cube_side(cells: u64) -> cellfan::Result<usize> {
         return Err(Error::Option { option: "--cells", problem: "a volume needs at least 1 cell".to_owned() });
     }
     let along = (cells as f64).cbrt().round() as u64;
-    let enough = (along.saturating_sub(1)..).find(|&along| u128::from(along).pow(3) >= u128::from(cells));
+    let enough = (along.saturating_sub(1)..=along + 1).find(|&along| u128::from(along).pow(3) >= u128::from(cells));
     Ok(enough.map_or(usize::MAX, |along| along as usize + 1))
 }
 

@@ -69,6 +69,7 @@ impl LatticeReport {
     }
 
     /// Whether i, j and k run along x, y and z.
+    #[expect(clippy::float_cmp, reason = "what is not quite upright is said")]
     fn is_upright(&self) -> bool {
         let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         self.directions.iter().zip(axes).all(|(direction, axis)| *direction == axis)

@@ -185,7 +185,7 @@ impl Backend {
 mod tests {
     use cellfan::generate::{self, Settings};
     use cellfan::optics::presets;
-    use cellfan::{Dataset, FieldSelection};
+    use cellfan::{Camera, Dataset, FieldSelection, Scene};
 
     use super::*;
 
@@ -205,10 +205,10 @@ mod tests {
                 let mut backend =
                     Backend { gpu: Some(gpu.clone()), gpu_memory_bytes: 1 << 26, may_fall_back, note: String::new() };
                 let mut renderer = backend.renderer(options);
-                backend.render(&mut renderer, options, &scene, &camera).unwrap();
+                backend.render(&mut renderer, options, |renderer| renderer.render(&scene, &camera)).unwrap();
                 assert_eq!(backend.name(), "gpu");
                 gpu.device_and_queue().0.destroy();
-                let rendered = backend.render(&mut renderer, options, &scene, &camera);
+                let rendered = backend.render(&mut renderer, options, |renderer| renderer.render(&scene, &camera));
                 if may_fall_back {
                     assert_eq!(rendered.unwrap().image.pixels, expected.pixels);
                     assert_eq!((backend.name(), backend.adapter()), ("cpu", None));

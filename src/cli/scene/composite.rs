@@ -11,6 +11,7 @@ use super::view::ViewSource;
 
 #[derive(Args)]
 #[group(id = "external-picture")]
+#[expect(clippy::struct_field_names, reason = "the options' names")]
 pub(in crate::cli) struct Composite {
     /// Composite the volume with this picture, drawn from the same place and of the same size, by depth: an .exr with a channel Z, or a
     /// z-buffer (.vol) as Vol and `RenderMan` write them. Depths are along the view axis, in world units.

@@ -1,5 +1,7 @@
 //! Triangle meshes, and pictures with depth.
 
+use std::fmt::Write;
+
 use cellfan::image::{ByteOrder, DepthImage, Image, ZBuffer};
 
 use super::Seeds;
@@ -51,7 +53,7 @@ pub(crate) fn stl() -> Seeds {
         binary.extend([0; 2]);
         text += "facet normal 0 0 1\nouter loop\n";
         for [x, y, z] in triangle.map(|i| SQUARE[i]) {
-            text += &format!("vertex {x} {y} {z}\n");
+            let _ = writeln!(text, "vertex {x} {y} {z}");
         }
         text += "endloop\nendfacet\n";
     }
@@ -67,11 +69,15 @@ pub(crate) fn ply() -> Seeds {
         )
     };
     let mut text = header("ascii");
-    SQUARE.iter().for_each(|[x, y, z]| text += &format!("{x} {y} {z} 255 0 7\n"));
+    for [x, y, z] in SQUARE {
+        let _ = writeln!(text, "{x} {y} {z} 255 0 7");
+    }
     let binary = [("binary_little_endian", false), ("binary_big_endian", true)].map(|(format, is_big)| {
         let mut bytes = header(format).into_bytes();
         for corner in SQUARE {
-            corner.iter().for_each(|x| bytes.extend(if is_big { x.to_be_bytes() } else { x.to_le_bytes() }));
+            for x in corner {
+                bytes.extend(if is_big { x.to_be_bytes() } else { x.to_le_bytes() });
+            }
             bytes.extend([255, 0, 7]);
         }
         bytes.push(4);
