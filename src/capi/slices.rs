@@ -150,23 +150,11 @@ pub(super) unsafe fn positions<'a>(
 pub(super) unsafe fn mesh<'a>(mesh: &CellfanMesh) -> Result<MeshView<'a, 'a>, Failure> {
     // SAFETY: here and below, the caller's obligation.
     let positions = unsafe { positions(mesh.positions, mesh.y, mesh.z) }?;
-    let cells = if mesh.dims != [0; 3] {
-        Cells::Structured { dims: mesh.dims }
-    } else {
+    let cells = if mesh.dims == [0; 3] {
         // SAFETY: as above.
-        let points = unsafe { indices(mesh.connectivity, "connectivity") }?;
-        if mesh.types.len > 0 {
-            let CellfanSlice { data, len, r#type } = mesh.types;
-            if r#type != CellfanType::U8 as u32 {
-                return Err(argument("types: they have to be uint8_t"));
-            }
-            // SAFETY: as above.
-            let types = unsafe { slice(data.cast::<u8>(), len, "types") }?;
-            // SAFETY: as above.
-            Cells::Mixed { types, offsets: unsafe { indices(mesh.offsets, "offsets") }?, points }
-        } else {
-            Cells::OfKind { kind: kind(mesh.kind)?, points }
-        }
+        unsafe { listed(mesh) }?
+    } else {
+        Cells::Structured { dims: mesh.dims }
     };
     let view = MeshView::new(positions, cells);
     if mesh.scalars.data.is_null() && mesh.scalars.len == 0 {
@@ -174,6 +162,26 @@ pub(super) unsafe fn mesh<'a>(mesh: &CellfanMesh) -> Result<MeshView<'a, 'a>, Fa
     }
     // SAFETY: as above.
     Ok(view.with_scalars(association(mesh.association)?, unsafe { scalars(mesh.scalars) }?))
+}
+
+/// Cells with connectivity.
+///
+/// # Safety
+/// As for [`slice()`], of all slices of the mesh.
+unsafe fn listed<'a>(mesh: &CellfanMesh) -> Result<Cells<'a>, Failure> {
+    // SAFETY: here and below, the caller's obligation.
+    let points = unsafe { indices(mesh.connectivity, "connectivity") }?;
+    if mesh.types.len == 0 {
+        return Ok(Cells::OfKind { kind: kind(mesh.kind)?, points });
+    }
+    let CellfanSlice { data, len, r#type } = mesh.types;
+    if r#type != CellfanType::U8 as u32 {
+        return Err(argument("types: they have to be uint8_t"));
+    }
+    // SAFETY: as above.
+    let types = unsafe { slice(data.cast::<u8>(), len, "types") }?;
+    // SAFETY: as above.
+    Ok(Cells::Mixed { types, offsets: unsafe { indices(mesh.offsets, "offsets") }?, points })
 }
 
 fn kind(code: u32) -> Result<&'static CellKind, Failure> {

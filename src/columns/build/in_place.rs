@@ -139,7 +139,7 @@ impl Dataset {
         let bounds = blocks.iter().fold(Bounds::EMPTY, |all, block| all.union(block.bounds));
         Ok(Self {
             origin: placement.origin,
-            file_from_cell: file_from_cell(cells, order),
+            file_from_cell: file_from_cell(cells, order.as_ref()),
             positions,
             tets,
             hexahedra,
@@ -236,10 +236,10 @@ fn order(
 }
 
 /// The caller's cell of each cell; none where they are numbered alike.
-fn file_from_cell(cells: &CellsInPlace, order: Option<Column<u32>>) -> Option<Column<u32>> {
+fn file_from_cell(cells: &CellsInPlace, order: Option<&Column<u32>>) -> Option<Column<u32>> {
     let [tets, hexahedra] = cells.len();
     if hexahedra == 0 && cells.file_from_tet.is_none() {
-        return order;
+        return order.cloned();
     }
     if tets == 0 {
         return cells.file_from_hexahedron.clone();
