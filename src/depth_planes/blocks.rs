@@ -168,7 +168,12 @@ mod tests {
             for seed in 0..4000_u32 {
                 let random =
                     |k: u32| (seed.wrapping_mul(2_654_435_761).rotate_left(7 * k) >> 8) as f32 / (1 << 24) as f32;
-                let low: [f32; 3] = std::array::from_fn(|a| random(a as u32) * (dims[a] - 1) as f32);
+                // Every second box begins near the point.
+                let low: [f32; 3] = std::array::from_fn(|a| {
+                    let place = random(a as u32);
+                    let near = (at[a] as f32 - 3.0 * place).max(0.0);
+                    if seed % 2 == 0 { near } else { place * (dims[a] - 1) as f32 }
+                });
                 let size = random(4) * random(4) * 60.0;
                 let high: [f32; 3] = std::array::from_fn(|a| (low[a] + size).min((dims[a] - 1) as f32));
                 let holds = (0..3).all(|a| low[a] < at[a] as f32 + 1.0 && high[a] > at[a] as f32 - 1.0);

@@ -9,7 +9,7 @@ use super::transfer::{ControlPoint, TransferFunction, problem};
 use crate::error::Result;
 
 /// Control points between two materials whose colours differ: the colour of a mixture is a ratio, not a line.
-const STEPS: usize = 8;
+const STEPS: usize = 32;
 
 /// A material as values tell it.
 #[derive(Clone, Debug, PartialEq)]
