@@ -1,5 +1,7 @@
 //! The volume composited with a picture of another program, and with triangles of other files: closed forms, and its own surface.
 
+use std::fmt::Write;
+
 use std::sync::Arc;
 
 use cellfan::generate::Scheme;
@@ -31,7 +33,7 @@ pub(crate) fn slope(camera: &Camera) -> DepthImage {
     let (width, height) = (camera.width, camera.height);
     let middle = (DVec3::splat(0.5) - camera.eye).dot((camera.target - camera.eye).normalize());
     let pixels = || (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-    let is_hole = |x: u32, y: u32| (x + y) % 7 == 0;
+    let is_hole = |x: u32, y: u32| (x + y).is_multiple_of(7);
     let color = |(x, y)| match (is_hole(x, y), x % 2) {
         (false, _) => [COLOR[0], COLOR[1], COLOR[2], 1.0],
         (true, 0) => [0.1, 0.05, 0.0, 0.25],
@@ -190,8 +192,12 @@ fn ply(mesh: &TriangleMesh) -> Vec<u8> {
         "ply\nformat ascii 1.0\nelement vertex {vertices}\nproperty double x\nproperty double y\nproperty double z\n\
          element face {faces}\nproperty list uchar int vertex_indices\nend_header\n"
     );
-    mesh.positions.iter().for_each(|[x, y, z]| text += &format!("{x} {y} {z}\n"));
-    mesh.triangles.iter().for_each(|[a, b, c]| text += &format!("3 {a} {b} {c}\n"));
+    for [x, y, z] in &mesh.positions {
+        let _ = writeln!(text, "{x} {y} {z}");
+    }
+    for [a, b, c] in &mesh.triangles {
+        let _ = writeln!(text, "3 {a} {b} {c}");
+    }
     text.into_bytes()
 }
 
