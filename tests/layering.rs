@@ -39,6 +39,7 @@ const WITHIN: &[(&str, &str)] = &[
     ("geometry", "stages"),
     ("io", "geometry"),
     ("fog", "generate"),
+    ("fog", "geometry"),
     ("depth_planes", "backends"),
     ("main", "cli"),
 ];
