@@ -166,7 +166,7 @@ pub(super) fn light(text: &str) -> Result<Light, String> {
     let direction: [f64; 3] = numbers(direction, expected)?;
     let color = color.map_or(Ok([1.0; 3]), |color| numbers(color, expected))?;
     if direction.iter().all(|&along| along == 0.0) {
-        return Err("the direction towards the light is null".to_owned());
+        return Err("the direction towards the light is null (Vol's error 113)".to_owned());
     }
     if color.iter().any(|&channel| channel < 0.0) {
         return Err("the light's colour must not be negative".to_owned());

@@ -25,7 +25,7 @@ mod stdout;
 use std::ffi::OsString;
 
 use cellfan::Error;
-use clap::{ArgAction, Args, Parser, Subcommand};
+use clap::{ArgAction, Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 pub(crate) use failure::Failure;
 
@@ -87,7 +87,8 @@ Exit codes: 0 done, 1 bad input or usage, 2 no usable device.";
 /// Does what the arguments say.
 pub(crate) fn run(arguments: impl Iterator<Item = OsString>) -> Outcome {
     drivers::be_quiet();
-    let Cli { command, everywhere } = Cli::try_parse_from(arguments)?;
+    let command = Cli::command().mut_subcommand("profile", profile::with_conflicts);
+    let Cli { command, everywhere } = Cli::from_arg_matches(&command.try_get_matches_from(arguments)?)?;
     let recorder = match &command {
         Command::Profile(arguments) => arguments.recorder(),
         _ => None,

@@ -13,7 +13,7 @@ use cellfan::profile::trace::Recorder;
 use cellfan::profile::{CellStats, Comparison, FrameRecord, OrderStats, Report, peak_rss_bytes};
 use cellfan::render::profile_views;
 
-pub(super) use arguments::Arguments;
+pub(super) use arguments::{Arguments, with_conflicts};
 
 use super::numbers::count;
 use super::progress::Progress;

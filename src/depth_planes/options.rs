@@ -5,7 +5,7 @@ use std::str::FromStr;
 use glam::DVec3;
 
 use crate::backends::cpu::InstructionSet;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, VolCondition};
 use crate::optics::{Model, Output};
 
 /// Whether values are classified before they are interpolated or after.
@@ -233,7 +233,8 @@ impl Lighting {
         }
         for light in &self.lights {
             if light.direction.try_normalize().is_none() {
-                return bad("--light", "the light source direction vector is null; expected X,Y,Z[:R,G,B]".to_owned());
+                let problem = "the light source direction vector is null; expected X,Y,Z[:R,G,B]";
+                return bad("--light", VolCondition::NoLight.said(problem));
             }
             if !light.color.iter().all(|channel| (0.0..=1e4).contains(channel)) {
                 return bad("--light", format!("{:?}; each channel from 0 on", light.color));

@@ -7,7 +7,7 @@
 /// are here: 107, a data set that is not volumetric, is [`Error::NoCells`](crate::Error::NoCells); 108 (near and far plane are equal),
 /// 109 (perspective angle zero), 110 (an increment of zero: a pixel without width), 111 (eye and target are one point) and 112 (`up` is
 /// zero or runs along the view) are [`Error::Camera`](crate::Error::Camera). 113, a light without a
-/// direction, is for what takes lights: the lamp at the eye always has one.
+/// direction, is [`Error::Option`](crate::Error::Option) of the depth planes' lights; the lamp at the eye always has one.
 ///
 /// ```
 /// use cellfan::error::VolCondition;

@@ -79,7 +79,8 @@ impl CubeScene {
             invalid: field.invalid,
         };
         let pieces = transfer.pieces(offset);
-        Ok(Self { place: grid.place(), stored, grid, field, hierarchy, pieces, counts: OnceLock::new() })
+        let place = Dataset { backing: volume.backing.clone(), ..grid.place() };
+        Ok(Self { place, stored, grid, field, hierarchy, pieces, counts: OnceLock::new() })
     }
 
     /// The scalar.
@@ -181,6 +182,9 @@ impl Renderer {
         camera: &Camera,
     ) -> Result<(Rendered, CubeStats)> {
         self.check_cubes(detail)?;
+        if let Some(backing) = &scene.place.backing {
+            backing.check()?;
+        }
         let view = View::new(camera, &scene.place)?;
         self.check_memory(view.region.size_px(), 0)?;
         let table = CullTable::new(&scene.pieces, self.options.model);

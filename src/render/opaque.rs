@@ -117,6 +117,10 @@ impl Renderer {
     }
 
     /// What is opaque in a frame that was drawn, as what drew it saw it; none where there is nothing.
+    #[cfg_attr(
+        not(feature = "gpu"),
+        expect(clippy::unused_self, clippy::unnecessary_wraps, reason = "the same method as with GPUs")
+    )]
     pub(super) fn opaque_picture<'a>(&self, frame: &Frame<'a>) -> Result<Option<Cow<'a, OpaquePicture>>> {
         let Some(opaque) = frame.opaque else { return Ok(None) };
         #[cfg(feature = "gpu")]

@@ -113,7 +113,6 @@ fn pictures_are_composited_by_depth_and_chained() {
         ("--composite none.exr", vec!["none.exr", "(Vol's error 105)"]),
         ("--composite cut.vol", vec!["cut.vol", "(Vol's error 104)"]),
         ("--composite wrong.vol", vec!["wrong.vol", "(Vol's error 101)"]),
-        ("--composite walls.vol --size 48x41", vec!["walls.vol", "48x40", "48x41", "(Vol's error 102)"]),
         ("--composite .", vec!["(Vol's error 100)"]),
         ("--depth out.png", vec!["out.png", ".exr"]),
         ("--composite walls.vol --frames 2", vec!["--frames"]),
@@ -121,6 +120,8 @@ fn pictures_are_composited_by_depth_and_chained() {
     ] {
         place.render(&format!("-o bad.png {options}")).fails(1, &parts);
     }
+    let other_size = "render mesh.vtu -o bad.png --size 48x41 --composite walls.vol";
+    place.run(other_size.split(' ')).fails(1, &["walls.vol", "48x40", "48x41", "(Vol's error 102)"]);
     assert!(!place.names().contains(&"bad.png".to_owned()));
 }
 

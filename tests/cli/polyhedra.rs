@@ -12,7 +12,7 @@ fn polyhedra_are_generated_and_drawn() {
             place.render(&format!("-o out.png --model {model}")).succeeds();
             assert!(covered(&place.path("out.png")) > 0.2, "{kind}, {model}");
         }
-        place.render("-o out.png --surface white --edges black --array cell_value").succeeds();
+        place.render("-o out.png --surface=#ffffff --edges=#000000 --array cell_value").succeeds();
         let info = place.run(["info", "mesh.vtu", "--json"]).succeeds().json();
         assert_eq!(info["kinds"][0]["name"], "polyhedron", "{info}");
     }

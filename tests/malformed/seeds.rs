@@ -11,7 +11,7 @@ use std::sync::OnceLock;
 use crate::common::data_folder;
 
 pub(crate) use grids::{PLOT3D_WORDS, plot3d, plot3d_solution, vtr, vts};
-pub(crate) use opaque::{OBJ_WORDS, PLY_WORDS, STL_WORDS, depth_images, obj, ply, stl};
+pub(crate) use opaque::{EXR_WORDS, OBJ_WORDS, PLY_WORDS, STL_WORDS, depth_images, obj, ply, stl};
 pub(crate) use volumes::{NRRD_WORDS, RAW_WORDS, nrrd, nrrd_path, raw, vti};
 pub(crate) use vtu::{Style, write_zeros};
 

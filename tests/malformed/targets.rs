@@ -107,7 +107,7 @@ pub(crate) const TARGETS: &[Target] = &[
     target("stl", seeds::stl, |bytes| triangles(bytes, "a.stl"), seeds::STL_WORDS, TRIANGLES),
     target("ply", seeds::ply, |bytes| triangles(bytes, "a.ply"), seeds::PLY_WORDS, TRIANGLES),
     target("obj", seeds::obj, |bytes| triangles(bytes, "a.obj"), seeds::OBJ_WORDS, TRIANGLES),
-    target("depth-image", seeds::depth_images, depth_image, &[], DEPTH_IMAGE),
+    target("depth-image", seeds::depth_images, depth_image, seeds::EXR_WORDS, DEPTH_IMAGE),
     target("container", seeds::container, container, seeds::JSON_WORDS, CONTAINER),
     Target { refuses_seeds: true, ..target("draw", seeds::vtk, draw, seeds::VTK_WORDS, PICTURE) },
     Target { refuses_seeds: true, ..target("open", seeds::real, through_a_file, seeds::VTK_WORDS, XML) },

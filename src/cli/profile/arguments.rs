@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use cellfan::profile::trace::Recorder;
-use clap::Args;
+use clap::{Args, Command, Id, ValueHint};
 
 use crate::cli::arguments::finite;
 use crate::cli::meshes::FORMATS;
@@ -15,7 +15,7 @@ pub(in crate::cli) struct Arguments {
     #[arg(required_unless_present = "compare", conflicts_with = "compare", value_name = "MESH", help = FORMATS)]
     pub(super) meshes: Vec<PathBuf>,
     /// Instead of measuring: say what changed from one run to another beyond the noise of their frames; files that --stats wrote.
-    #[arg(long, num_args = 2, value_names = ["A.json", "B.json"], conflicts_with_all = MEASURING)]
+    #[arg(long, num_args = 2, value_names = ["A.json", "B.json"], value_hint = ValueHint::FilePath)]
     pub(super) compare: Vec<PathBuf>,
 
     #[command(flatten)]
@@ -52,9 +52,12 @@ pub(in crate::cli) struct Arguments {
     pub(super) trace: Option<PathBuf>,
 }
 
-/// Everything that a comparison has no use for.
-const MEASURING: [&str; 10] =
-    ["scene", "geometry", "frames", "orbit", "warm_up", "half_size", "stats", "csv", "plot", "trace"];
+/// The verb with `--compare` set against everything else that may be said of it: a comparison measures nothing.
+pub(in crate::cli) fn with_conflicts(command: Command) -> Command {
+    let others: Vec<Id> = command.get_arguments().map(|argument| argument.get_id().clone()).collect();
+    let others: Vec<Id> = others.into_iter().filter(|id| *id != "compare").collect();
+    command.mut_arg("compare", |compare| compare.conflicts_with_all(others))
+}
 
 const EXAMPLES: &str = "\
 Examples:

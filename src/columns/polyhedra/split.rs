@@ -53,15 +53,15 @@ mod tests {
 
     #[test]
     fn a_dented_cell_is_not_cut_and_a_bulging_one_is() {
-        for (height, tets) in [(1.5, Some(4)), (0.9, Some(4)), (-0.3, None)] {
-            // A tent over the unit square: its tip above, or below, its floor of four triangles around (½, ½, 0.2).
+        for (height, tets) in [(1.5, Some(4)), (0.9, Some(4)), (-0.1, None)] {
+            // A tent over the unit square with a floor of four triangles that bulges down; its tip above the square, or below it.
             let points: [Vec3; 6] = [
                 Vec3::ZERO,
                 Vec3::X,
                 Vec3::new(1.0, 1.0, 0.0),
                 Vec3::Y,
                 Vec3::new(0.5, 0.5, height),
-                Vec3::new(0.5, 0.5, 0.2),
+                Vec3::new(0.5, 0.5, -0.2),
             ];
             let mut lists = FaceLists::default();
             for i in 0..4 {

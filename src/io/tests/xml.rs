@@ -75,9 +75,9 @@ fn formats_are_found_by_their_first_bytes_and_refused_by_name() {
         ("a.ex2", &b"CDF\x01"[..], "Exodus"),
         ("a.nii.gz", b"\x1f\x8b", "NIfTI"),
         ("a.vtu", b"\x1f\x8b", "gzip"),
-        ("a.dat", b"NRRD0004", "NRRD"),
-        ("a.vti", b"<?xml?><VTKFile type=\"ImageData\">", "image"),
-        ("a.vtu", b"<?xml?><VTKFile type=\"ImageData\"></VTKFile>", "ImageData"),
+        ("a.dat", b"CDF\x02", "NetCDF"),
+        ("a.vtp", b"<?xml?><VTKFile type=\"PolyData\">", "surface"),
+        ("a.vtu", b"<?xml?><VTKFile type=\"PolyData\"></VTKFile>", "PolyData"),
         ("a.what", b"", "no mesh"),
     ] {
         let error = read_mesh(bytes, name.as_ref()).unwrap_err();

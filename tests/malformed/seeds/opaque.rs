@@ -38,6 +38,7 @@ pub(crate) const OBJ_WORDS: &[&str] = &[
     "#",
 ];
 
+pub(crate) const EXR_WORDS: &[&str] = &["Z", "R", "channels", "chlist", "dataWindow", "compression", "tiles"];
 pub(crate) const STL_WORDS: &[&str] =
     &["solid ", "facet normal", "outer loop", "vertex", "endloop", "endfacet", "endsolid", "1e999", "nan"];
 
