@@ -22,6 +22,8 @@ fn case(dataset: Dataset, array: &str) -> Case {
     Case::of(dataset, field)
 }
 
+const WITHOUT_MIP: [Model; 3] = [Model::EmissionAbsorption, Model::Absorption, Model::Emission];
+
 fn settings(cells: u64, jitter: f64) -> Settings {
     Settings { cells, jitter, seed: 3, ..Settings::default() }
 }
@@ -32,10 +34,15 @@ fn generated(mesh: cellfan::Result<CellMesh>) -> Dataset {
 
 /// Random pixels of all models: mean at most 1e-4, largest at most 2e-3.
 fn check(name: &str, case: &Case, transfer: &TransferFunction, views: &[(&str, Camera)]) {
+    check_models(name, case, transfer, views, &Model::ALL);
+}
+
+/// The same of some models.
+fn check_models(name: &str, case: &Case, transfer: &TransferFunction, views: &[(&str, Camera)], models: &[Model]) {
     let mut failures = Vec::new();
     for (view, camera) in views {
         let rays = case.random_rays(camera, 5, 600);
-        for model in Model::ALL {
+        for &model in models {
             let rendered = case.render(RenderOptions { model, ..RenderOptions::default() }, transfer, camera);
             assert_eq!(rendered.order.exactness, Exactness::Exact);
             let errors = rays.errors(&rendered.image, model, transfer, 600);
@@ -204,7 +211,10 @@ fn cells_that_are_not_convex_are_the_reference() {
         let volumes: Vec<f64> = (0..3).map(|cell| dataset.volume_world(cell)).collect();
         assert!(volumes.iter().all(|volume| (volume - 5.0 * 0.15 * 0.15 * 0.3).abs() < 1e-7), "{volumes:?}");
         for array in arrays {
-            check(&format!("angles, {array}"), &case(dataset.clone(), array), &smooth(), &three_views(200, 160));
+            // Beside a cap whose triangles overlap the reference meets a cell for no length: a largest value of its own.
+            let models = if turn == 0 { &Model::ALL[..] } else { &WITHOUT_MIP };
+            let (name, case) = (format!("angles, {array}"), case(dataset.clone(), array));
+            check_models(&name, &case, &smooth(), &three_views(200, 160), models);
         }
         // Into tetrahedra those are cut whose lowest corner sees all.
         let counts = angles(turn).into_dataset().unwrap().counts;
