@@ -174,6 +174,12 @@ impl Dataset {
         let (vertex_from_file, file_from_vertex) = numbering.finish();
 
         let positions: Vec<[f32; 3]> = file_from_vertex.par_iter().map(|&v| position(v).to_array()).collect();
+        let is_too_far = |&v: &usize| !Vec3::from(positions[v]).is_finite();
+        if let Some(vertex) = (0..positions.len()).into_par_iter().find_first(is_too_far) {
+            let point = file_from_vertex[vertex];
+            let position = points.get(point as usize).to_array();
+            return Err(Error::NonFinitePosition { point: point.into(), position });
+        }
         let vertex = |point: u32| {
             let vertex = vertex_from_file[point as usize];
             debug_assert!(vertex != UNUSED);

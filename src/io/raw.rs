@@ -14,7 +14,7 @@ use super::source::Source;
 use super::volume;
 use crate::atomic::io_at;
 use crate::columns::{Array, Association, Lattice, NumericColumn, Volume};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, presentable};
 
 /// What the array of a volume without a name is called.
 pub(super) const UNNAMED: &str = "value";
@@ -57,9 +57,9 @@ impl FromStr for RawLayout {
     fn from_str(text: &str) -> Result<Self> {
         parse(text).ok_or_else(|| Error::Option {
             option: "--raw",
-            problem: format!(
+            problem: presentable(format!(
                 "{text:?}: expected sizes and type, such as 256x256x110:u8, 64x64x64:i16be or 64x64x64:f32@512"
-            ),
+            )),
         })
     }
 }

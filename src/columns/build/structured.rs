@@ -59,8 +59,13 @@ impl Dataset {
             .reduce(|| (DVec3::INFINITY, DVec3::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
         let placement = Placement::new(&points, low, high);
         // A point of no cell may stand anywhere.
-        let position =
-            |v: usize| Some(points.get(v)).filter(|p| p.is_finite()).map_or(Vec3::ZERO, |p| placement.position(p));
+        let narrow = |v: usize| Some(points.get(v)).filter(|p| p.is_finite()).map(|p| placement.position(p));
+        let is_too_far = |&v: &u32| narrow(v as usize).is_some_and(|p| !p.is_finite());
+        if let Some(point) = present().flat_map_iter(|cell| cells.get(cell)).find_first(is_too_far) {
+            let position = points.get(point as usize).to_array();
+            return Err(Error::NonFinitePosition { point: point.into(), position });
+        }
+        let position = |v: usize| narrow(v).filter(|p| p.is_finite()).unwrap_or(Vec3::ZERO);
         let positions: Vec<[f32; 3]> = (0..points.len()).into_par_iter().map(|v| position(v).to_array()).collect();
 
         let shapes = shapes_of(&cells, &positions, &canonical_from_point(&points));
