@@ -57,8 +57,9 @@ const MAP: Limits = Limits { mebibytes: 48, ..TEXT };
 /// A vertex of two characters takes 80 bytes, in a vector that doubles.
 const TRIANGLES: Limits = Limits { times: 256, ..TEXT };
 
-/// The most pixels of a byte, 2048, may take 20 bytes and 8 a channel, of which a file may have many.
-const DEPTH_IMAGE: Limits = Limits { times: 2048 * 64, mebibytes: 16, millis: 4000 };
+/// The most pixels of a byte, 2048, may take 20 bytes and 8 a channel, of which a file may have many. A z-buffer's sides have 16 bits: whether
+/// there is memory for its depths is tried first, without touching it.
+const DEPTH_IMAGE: Limits = Limits { times: 2048 * 64, mebibytes: 4 * 32_768 * 32_768 / (1 << 20) + 16, millis: 4000 };
 
 /// Tables and bins of a frame.
 const PICTURE: Limits = Limits { mebibytes: 32, ..TEXT };

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use cellfan::image::{ByteOrder, ZBuffer};
+use cellfan::image::{ByteOrder, DepthImage, Image, ZBuffer};
 
 use super::Seeds;
 
@@ -94,7 +94,6 @@ pub(crate) fn obj() -> Seeds {
     vec![text.as_bytes().to_vec()]
 }
 
-/// Z-buffers; an EXR is decoded by its crate, which may hold more than a multiple of the file.
 pub(crate) fn depth_images() -> Seeds {
     let (width, height) = (7, 5);
     let depth_world: Vec<f32> = (0..35).map(|i| if i % 5 == 0 { f32::INFINITY } else { i as f32 }).collect();
@@ -111,5 +110,8 @@ pub(crate) fn depth_images() -> Seeds {
         depths.write(&mut bytes, order).unwrap();
         bytes
     });
-    vec![little, big]
+    let pixels = (0..35).map(|i| [i as f32 / 35.0, 0.5, 0.0, 1.0]).collect();
+    let path = super::pieces().join("depth.exr");
+    DepthImage::new(Image { width, height, pixels }, depth_world).unwrap().save(&path, None).unwrap();
+    vec![little, big, std::fs::read(path).unwrap()]
 }
