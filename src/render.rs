@@ -14,6 +14,7 @@ mod opaque;
 mod options;
 mod order;
 mod profiled;
+mod rays;
 mod scene;
 mod update;
 mod volume_scene;
@@ -30,7 +31,7 @@ pub use volume_scene::VolumeScene;
 use std::sync::Arc;
 use std::time::Instant;
 
-use crate::backends::cpu::{FanCompositor, TileCompositor};
+use crate::backends::cpu::{FanCompositor, RayCompositor, TileCompositor};
 #[cfg(feature = "gpu")]
 use crate::backends::gpu::GpuCompositor;
 use crate::backends::{Counts, Frame};
@@ -116,6 +117,7 @@ pub struct Renderer {
     options: RenderOptions,
     tiles: TileCompositor,
     fans: FanCompositor,
+    rays: RayCompositor,
     topological: Topological,
     /// The last order by the graph of the mesh, and what it is of, where views stay as they are.
     last_order: Option<order::LastOrder>,
@@ -140,12 +142,15 @@ impl Renderer {
         let mut tiles = TileCompositor::default();
         tiles.set_instruction_set(options.instruction_set);
         let cubes = cubes::Cubes::new(options.instruction_set);
-        Self { options, tiles, cubes, ..Self::default() }
+        let mut rays = RayCompositor::default();
+        rays.set_instruction_set(options.instruction_set);
+        Self { options, tiles, rays, cubes, ..Self::default() }
     }
 
     /// Draws what follows with other options; what is kept between frames stays.
     pub fn set_options(&mut self, options: RenderOptions) {
         self.tiles.set_instruction_set(options.instruction_set);
+        self.rays.set_instruction_set(options.instruction_set);
         self.options = options;
     }
 
@@ -212,6 +217,7 @@ impl Renderer {
             vertices: &scene.vertices,
             pieces: &scene.pieces,
             bands: None,
+            mates: self.mates(scene, opaque.is_some(), &mut profile),
             cull_table: &cull_table,
             view: &view,
             keys: KeyMaker::new(order.key, &view, topological.layer_from_cell()),
@@ -380,12 +386,17 @@ impl Renderer {
             // Before threads ask for it, who would wait for each other.
             profile.time("geometry", || opaque.picture(frame.view));
         }
+        if let Some(mates) = frame.mates.filter(|_| frame.tiles.is_none())
+            && let Some(followed) = self.rays.draw(frame, mates, optics, profile)
+        {
+            return self.with_overlaps(frame, optics, followed, profile);
+        }
         match self.options.cpu_method {
             // Tiles are what footprints are drawn in.
             _ if frame.tiles.is_some() => self.tiles.draw(frame, optics, profile),
-            CpuMethod::Footprints if frame.cubes.is_some() => Ok(self.cubes.draw(frame, optics, profile)),
-            CpuMethod::Footprints => self.tiles.draw(frame, optics, profile),
             CpuMethod::Fans => Ok(self.fans.draw(frame, optics, profile)),
+            _ if frame.cubes.is_some() => Ok(self.cubes.draw(frame, optics, profile)),
+            CpuMethod::Footprints | CpuMethod::Rays => self.tiles.draw(frame, optics, profile),
         }
     }
 }

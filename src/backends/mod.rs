@@ -11,9 +11,11 @@ mod opaque;
 mod tiles;
 
 pub use opaque::{Opaque, OpaquePicture};
+pub(crate) use tiles::TileGrid;
 
 use std::sync::Arc;
 
+use self::cpu::Mates;
 use crate::columns::{Association, Dataset, Field};
 use crate::control::Control;
 use crate::optics::{BandPiece, CullTable, Intervals, Pieces};
@@ -38,6 +40,8 @@ pub struct Frame<'a> {
     pub pieces: &'a Pieces,
     /// The bands of this pass over the field's stored values, where they have extinctions of their own.
     pub bands: Option<&'a Pieces<BandPiece>>,
+    /// What lies across each face, where rays are followed from cell to cell; the mesh is then one of tetrahedra.
+    pub mates: Option<&'a Mates>,
     /// Which cells cannot show.
     pub cull_table: &'a CullTable,
     /// The camera.

@@ -58,7 +58,6 @@ impl TileGrid {
     }
 
     /// The pixels of a tile that lie in `region`, around which the grid is.
-    #[cfg(feature = "gpu")]
     pub(crate) fn pixels_in(&self, region: Region, tile: usize) -> Region {
         let [x, y] = self.origin_px(tile);
         let (x1, y1) = ((x + TILE_PX).min(region.x1), (y + TILE_PX).min(region.y1));

@@ -31,7 +31,8 @@ pub(super) fn run(arguments: &Arguments, recorder: Option<&Recorder>) -> Outcome
     for path in [arguments.plot.as_deref(), arguments.csv.as_deref(), arguments.trace.as_deref(), stats_path] {
         path.map(check_target).transpose()?;
     }
-    let mut setup = Request::new(&arguments.meshes, &arguments.scene, &arguments.geometry, None)?.read()?;
+    let frames = arguments.warm_up + arguments.frames;
+    let mut setup = Request::new(&arguments.meshes, frames, &arguments.scene, &arguments.geometry, None)?.read()?;
     let report = measure(arguments, &mut setup, recorder)?;
 
     if let Some(path) = stats_path {

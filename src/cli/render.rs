@@ -27,7 +27,9 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         let problem = "a PNG cannot show optical depths; write .exr or .npy (-o OUT.exr)".to_owned();
         return Err(Error::Option { option: "--output", problem }.into());
     }
-    let request = Request::new(&arguments.meshes, &arguments.scene, &arguments.geometry, Some(&arguments.composite))?;
+    let (meshes, composite) = (&arguments.meshes, Some(&arguments.composite));
+    let frames = arguments.frames.unwrap_or(1);
+    let request = Request::new(meshes, frames, &arguments.scene, &arguments.geometry, composite)?;
     let stats_path = arguments.stats.as_deref().filter(|path| *path != Path::new("-"));
     stats_path.map(io::check_target).transpose()?;
     let output = encoding(arguments);

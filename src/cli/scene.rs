@@ -87,9 +87,10 @@ pub(super) struct Setup {
 }
 
 impl<'a> Request<'a> {
-    /// Checks the arguments, finds a device, reads all files but the meshes.
+    /// Checks the arguments, finds a device, reads all files but the meshes, which are drawn in `frames` views.
     pub(super) fn new(
         meshes: &'a [PathBuf],
+        frames: u32,
         arguments: &'a Arguments,
         geometry: &Geometry,
         composite: Option<&Composite>,
@@ -102,7 +103,7 @@ impl<'a> Request<'a> {
         Ok(Self {
             meshes,
             arguments,
-            options: RenderOptions { geometry: geometry.options(), depth, ..options(arguments)? },
+            options: RenderOptions { geometry: geometry.options(), depth, ..options(arguments, frames)? },
             planes: arguments.planes.options(arguments)?,
             cubes: arguments.cubes.detail(arguments, &geometry.options(), has_others)?,
             backend: if arguments.planes.are_chosen() {
@@ -348,27 +349,37 @@ fn read(paths: &[PathBuf], arguments: &Arguments, is_whole: bool, profile: &mut 
     dataset
 }
 
-fn options(arguments: &Arguments) -> cellfan::Result<RenderOptions> {
+/// Frames of a mesh from which on it pays to find what lies across each face, which takes as long as one or two of them.
+const OFTEN: u32 = 3;
+
+fn options(arguments: &Arguments, frames: u32) -> cellfan::Result<RenderOptions> {
     // The renderer would refuse it too, but only when the mesh has been read.
-    if arguments.sort == SortMethod::Exact && arguments.cpu_method == CpuMethod::Fans {
+    if arguments.sort == SortMethod::Exact && arguments.cpu_method == Some(CpuMethod::Fans) {
         let problem = "exact needs --cpu-method footprints; with fans say --sort topological".to_owned();
         return Err(Error::Option { option: "--sort", problem });
     }
-    let takes_all_cells =
-        arguments.cpu_method == CpuMethod::Fans || arguments.check_order || arguments.sort == SortMethod::Topological;
+    let takes_all_cells = arguments.cpu_method == Some(CpuMethod::Fans)
+        || arguments.check_order
+        || arguments.sort == SortMethod::Topological;
     if arguments.memory.is_some() && takes_all_cells {
         let problem =
             "--cpu-method fans, --check-order and --sort topological take all cells at once and keep no budget"
                 .to_owned();
         return Err(Error::Option { option: "--memory", problem });
     }
+    let takes_any_order = matches!(arguments.sort, SortMethod::Auto | SortMethod::Exact) && !arguments.check_order;
+    let cpu_method = match arguments.cpu_method {
+        Some(method) => method,
+        None if frames >= OFTEN && takes_any_order => CpuMethod::Rays,
+        None => CpuMethod::Footprints,
+    };
     Ok(RenderOptions {
         model: arguments.model,
         integral: arguments.integral,
         output: arguments.output,
         sort: arguments.sort,
         stop_transmittance: arguments.stop,
-        cpu_method: arguments.cpu_method,
+        cpu_method,
         check_order: arguments.check_order,
         faces: arguments.faces,
         ..RenderOptions::default()

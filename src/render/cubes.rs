@@ -288,6 +288,7 @@ impl Renderer {
             stop_transmittance: self.options.stop_transmittance,
             memory_bytes: None,
             control: &control,
+            mates: None,
             still: None,
             opaque: None,
         };

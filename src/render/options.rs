@@ -12,6 +12,10 @@ pub enum CpuMethod {
     /// Footprints in tiles: planes per pixel.
     #[default]
     Footprints,
+    /// Rays followed from cell to cell: the fastest where a mesh is drawn from several places, after some time and 32 bytes a cell to find what
+    /// lies across each face, once. For tetrahedra that do not overlap, all of them between the near and the far plane, without opaque
+    /// geometry, a memory budget or values that are not finite: footprints draw what is otherwise.
+    Rays,
     /// Triangle fans, as in the papers.
     Fans,
 }
@@ -29,7 +33,7 @@ pub struct RenderOptions {
     pub sort: SortMethod,
     /// A ray ends below this transmittance, which bounds the error; 0 never ends one.
     pub stop_transmittance: f32,
-    /// Footprints or fans.
+    /// Footprints, rays or fans.
     pub cpu_method: CpuMethod,
     /// How fans draw faces of four corners; footprints are always exact.
     pub faces: Faces,

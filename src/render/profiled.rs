@@ -99,6 +99,7 @@ impl RenderOptions {
     pub fn settings(&self) -> BTreeMap<String, Value> {
         let cpu_method = match self.cpu_method {
             CpuMethod::Footprints => "footprints",
+            CpuMethod::Rays => "rays",
             CpuMethod::Fans => "fans",
         };
         let faces = if self.faces == Faces::Fan { "fan" } else { "exact" };

@@ -4,6 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::band_arrays::BandArrays;
 use super::opaque::Lists;
+use crate::backends::cpu::Mates;
 use crate::backends::scene_bytes;
 use crate::columns::{Dataset, Field};
 use crate::error::Result;
@@ -36,6 +37,8 @@ pub struct Scene {
     pub(super) adjacency: OnceLock<Adjacency>,
     /// Counted when an order first asks for it.
     pub(super) overlapping_faces: OnceLock<u64>,
+    /// Found when rays are first followed; none where they cannot be.
+    pub(super) mates: OnceLock<Option<Mates>>,
     /// Made when a frame first draws them.
     pub(super) lists: Lists,
     /// Triangles of other files.
@@ -79,6 +82,7 @@ impl Scene {
             bands: None,
             adjacency: OnceLock::new(),
             overlapping_faces: OnceLock::new(),
+            mates: OnceLock::new(),
             lists: Lists::default(),
             triangles: Vec::new(),
             external: None,
@@ -221,6 +225,21 @@ impl Scene {
             let adjacency = self.adjacency(profile);
             profile.time("adjacency", || overlapping_faces(&self.dataset, adjacency))
         })
+    }
+
+    /// What lies across each face, found at the first call; none where rays cannot be followed through the mesh: it has other cells than
+    /// tetrahedra, too many of them, or such that overlap.
+    pub(super) fn mates(&self, profile: &mut Profile) -> Option<&Mates> {
+        let find = || {
+            let is_all_tets = self.dataset.tets.len() == self.dataset.cells();
+            let fits = is_all_tets && (1..=Mates::MAX_CELLS).contains(&self.dataset.cells());
+            if !fits || self.overlapping_faces(profile) > 0 {
+                return None;
+            }
+            let adjacency = self.adjacency(profile);
+            Some(profile.time("mates", || Mates::new(&self.dataset, adjacency)))
+        };
+        self.mates.get_or_init(find).as_ref()
     }
 
     /// What the arrays of bands take of that.

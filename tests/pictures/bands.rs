@@ -114,7 +114,7 @@ fn a_slab_of_known_thickness() {
     let field = dataset.homogeneous_field();
     let scene = Scene::new(dataset, field, &dark()).with_bands(BandTable::constant(extinctions.clone()).unwrap());
     let camera = along_x(0.9, 40, 3.0);
-    for cpu_method in [CpuMethod::Footprints, CpuMethod::Fans] {
+    for cpu_method in [CpuMethod::Footprints, CpuMethod::Rays, CpuMethod::Fans] {
         let options = RenderOptions { cpu_method, ..DEPTH };
         let depths = draw(options, &scene, &camera);
         let intensities = draw(RenderOptions { output: Output::Intensity, ..options }, &scene, &camera);
@@ -150,7 +150,7 @@ fn thousands_of_segments_add_up_to_a_millionth() {
             table = BandTable::constant(expected.clone()).unwrap();
         }
         let scene = case.scene(&dark()).with_bands(table.clone());
-        for cpu_method in [CpuMethod::Footprints, CpuMethod::Fans] {
+        for cpu_method in [CpuMethod::Footprints, CpuMethod::Rays, CpuMethod::Fans] {
             let picture = draw(RenderOptions { cpu_method, ..DEPTH }, &scene, &camera);
             let mut worst = vec![0.0_f64; 6];
             for bands in picture.values.chunks_exact(6) {

@@ -22,7 +22,7 @@ fn any_number_of_threads_gives_the_same_bytes() {
             let mut images = Vec::new();
             for (view, camera) in three_views(170, 130) {
                 for model in Model::ALL {
-                    for cpu_method in [CpuMethod::Footprints, CpuMethod::Fans] {
+                    for cpu_method in [CpuMethod::Footprints, CpuMethod::Rays, CpuMethod::Fans] {
                         let options = RenderOptions { model, cpu_method, ..RenderOptions::default() };
                         let image = case.render(options, &smooth(), &camera).image;
                         images.push((format!("{view} {model} {cpu_method:?}"), bits(&image)));
@@ -50,7 +50,7 @@ fn the_first_frame_is_the_second_also_after_another_view() {
     // Another size too: fewer tiles, then more.
     let small = cellfan::Camera { width: 40, height: 33, ..inside.clone() };
     for model in Model::ALL {
-        for cpu_method in [CpuMethod::Footprints, CpuMethod::Fans] {
+        for cpu_method in [CpuMethod::Footprints, CpuMethod::Rays, CpuMethod::Fans] {
             let mut renderer = Renderer::new(RenderOptions { model, cpu_method, ..RenderOptions::default() });
             let first = bits(&renderer.render(&scene, &outside).unwrap().image);
             assert_eq!(bits(&renderer.render(&scene, &outside).unwrap().image), first, "{model} {cpu_method:?}");

@@ -171,7 +171,7 @@ fn cells_that_overlap_in_a_cycle() {
             assert!(errors.pixels > 3000 && errors.are_small(), "{sort}: {errors}");
         }
         // A graph of cells has no order either, and says so.
-        for cpu_method in [CpuMethod::Footprints, CpuMethod::Fans] {
+        for cpu_method in [CpuMethod::Footprints, CpuMethod::Rays, CpuMethod::Fans] {
             let options = RenderOptions { sort: SortMethod::Topological, cpu_method, ..RenderOptions::default() };
             let order = case.render(options, &transfer, &camera).order;
             assert_eq!((order.exactness, order.cycles), (Exactness::CyclesBroken(1), Some(1)));

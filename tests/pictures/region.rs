@@ -83,7 +83,7 @@ fn every_model_order_and_view() {
     let case = Case::new(grid(10_000, Scheme::Six, 0.25), "value");
     let scene = case.scene(&steep());
     for (seed, (view, camera)) in (1..).zip(three_views(130, 170)) {
-        for cpu_method in [CpuMethod::Footprints, CpuMethod::Fans] {
+        for cpu_method in [CpuMethod::Footprints, CpuMethod::Rays, CpuMethod::Fans] {
             for model in Model::ALL {
                 let options = RenderOptions { model, cpu_method, ..RenderOptions::default() };
                 assert_same_in_regions(&scene, &camera, options, seed, &format!("{view}, {model}, {cpu_method:?}"));
@@ -159,7 +159,7 @@ fn any_budget_and_any_number_of_threads() {
             assert_same_at_any_budget(&case, &steep(), &camera, options, &format!("{view}, {model}"));
             for threads in [1, 2, 7] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                for cpu_method in [CpuMethod::Footprints, CpuMethod::Fans] {
+                for cpu_method in [CpuMethod::Footprints, CpuMethod::Rays, CpuMethod::Fans] {
                     let options = RenderOptions { cpu_method, ..options };
                     let found = pool.install(|| case.render(options, &steep(), &camera).image);
                     if cpu_method == CpuMethod::Footprints {
@@ -207,7 +207,7 @@ fn bands_of_their_own() {
     let scene = case.scene(&smooth()).with_bands(six_bands());
     let [(_, camera), ..] = three_views(150, 90);
     for model in [Model::Absorption, Model::EmissionAbsorption] {
-        for cpu_method in [CpuMethod::Footprints, CpuMethod::Fans] {
+        for cpu_method in [CpuMethod::Footprints, CpuMethod::Rays, CpuMethod::Fans] {
             let mut renderer = Renderer::new(RenderOptions { model, cpu_method, ..RenderOptions::default() });
             let whole = renderer.render(&scene, &camera).unwrap().bands.unwrap();
             let values: Vec<&[f32]> = whole.values.chunks_exact(6).collect();
@@ -270,7 +270,7 @@ fn what_is_no_part_of_the_picture() {
     let case = Case::new(grid(40, Scheme::Five, 0.0), "value");
     let scene = case.scene(&smooth());
     let [(_, camera), ..] = three_views(64, 48);
-    for cpu_method in [CpuMethod::Footprints, CpuMethod::Fans] {
+    for cpu_method in [CpuMethod::Footprints, CpuMethod::Rays, CpuMethod::Fans] {
         let mut renderer = Renderer::new(RenderOptions { cpu_method, ..RenderOptions::default() });
         for bad in [[0, 0, 65, 48], [0, 0, 0, 0], [9, 9, 9, 12], [9, 9, 12, 8], [0, 48, 1, 49], [0, 0, 1, u32::MAX]] {
             let error = renderer.render(&scene, &within(&camera, bad.into())).unwrap_err();

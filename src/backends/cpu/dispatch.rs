@@ -86,7 +86,7 @@ impl InstructionSet {
 /// The kernels of one instruction set that this processor has.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Kernels {
-    set: InstructionSet,
+    pub(super) set: InstructionSet,
 }
 
 impl Kernels {

@@ -7,7 +7,8 @@
 //! `crossed` ones and `polyhedra` with their `hits` and `parts`; fragments to the `log`) into a `sink` (`blend`, which puts late fragments where they belong; `collect`
 //! and sort per pixel; `sum`) → picture.
 //! Where the view stays as it is, the order is `kept`. Under a memory budget the bins are filled in `bands`, within what `budget` leaves, and blocks collected in `portions`.
-//! Cubes of a volume, which come in order, have tiles of their own (`cubes`).
+//! Cubes of a volume, which come in order, have tiles of their own (`cubes`). Where a mesh of tetrahedra is drawn often, its rays are followed
+//! from cell to cell (`rays`): no sort at all.
 //! To add a way to composite: a sink; an instruction set: its kernels in `dispatch`, how it moves lanes in `simd`.
 
 mod bands;
@@ -34,6 +35,7 @@ mod planes;
 mod polyhedra;
 mod portions;
 mod prefetch;
+mod rays;
 mod simd;
 mod sink;
 mod steep;
@@ -47,3 +49,4 @@ pub use compositor::TileCompositor;
 pub use cubes::CubeCompositor;
 pub use dispatch::InstructionSet;
 pub use fans::FanCompositor;
+pub use rays::{FollowedRays, Mates, RayCompositor};

@@ -93,9 +93,10 @@ pub(in crate::cli) struct Arguments {
     /// End a ray at this transmittance, which bounds the error; 0 never ends one.
     #[arg(long, value_name = "T", help_heading = "Method", default_value = "1e-5", value_parser = transmittance, allow_hyphen_values = true)]
     pub(super) stop: f32,
-    /// How the CPU composites: planes per pixel, or the triangles of the papers.
-    #[arg(long, value_name = "METHOD", help_heading = "Method", default_value = "footprints", value_parser = one_of([("footprints", CpuMethod::Footprints), ("fans", CpuMethod::Fans)]))]
-    pub(super) cpu_method: CpuMethod,
+    /// How the CPU composites: planes per pixel, rays followed from cell to cell (of tetrahedra; where that cannot be, planes), or the
+    /// triangles of the papers [default: rays where a mesh is drawn three times or more, else footprints].
+    #[arg(long, value_name = "METHOD", help_heading = "Method", value_parser = one_of([("footprints", CpuMethod::Footprints), ("rays", CpuMethod::Rays), ("fans", CpuMethod::Fans)]))]
+    pub(super) cpu_method: Option<CpuMethod>,
     /// Draw hexahedra, wedges, pyramids and voxels whole, or cut into tetrahedra, which is another field inside a cell
     /// [default: whole].
     #[arg(long, value_name = "CELLS", help_heading = "Method", value_parser = one_of(Cells::NAMED))]

@@ -129,7 +129,7 @@ fn needs_processor(arguments: &Arguments) -> Option<&'static str> {
     if arguments.memory.is_some() {
         return Some("--memory is kept on the CPU only (a GPU has --gpu-memory)");
     }
-    (arguments.cpu_method == CpuMethod::Fans).then_some("--cpu-method fans is the CPU's")
+    (arguments.cpu_method == Some(CpuMethod::Fans)).then_some("--cpu-method fans is the CPU's")
 }
 
 /// A real GPU, or why there is none.

@@ -8,7 +8,7 @@
 use std::arch::x86_64::__m512;
 
 use super::Simd;
-use crate::optics::{Lanes, Mask};
+use crate::optics::{LANES, Lanes, Mask};
 
 /// By the instructions of AVX-512 F, on a processor that has them.
 #[derive(Clone, Copy, Debug)]
@@ -117,16 +117,31 @@ impl Simd for ByAvx512 {
         // SAFETY: as above.
         unsafe { kernels::put(lanes, value, elsewhere) }
     }
+
+    #[inline(always)]
+    fn rows(self, table: &[[f32; 4]], at: &[u32; LANES]) -> [Lanes; 4] {
+        // SAFETY: as above.
+        unsafe { kernels::rows(table, at) }
+    }
+
+    #[inline(always)]
+    fn pairs(self, table: &[[u32; 2]], at: &[u32; LANES]) -> [[u32; LANES]; 2] {
+        // SAFETY: as above.
+        unsafe { kernels::pairs(table, at) }
+    }
 }
 
 mod kernels {
     use std::arch::x86_64::{
-        __m512, __m512i, _CMP_LT_OQ, _mm512_abs_ps, _mm512_add_ps, _mm512_cmp_ps_mask, _mm512_mask_expand_ps,
-        _mm512_mask_mov_ps, _mm512_maskz_compress_ps, _mm512_max_ps, _mm512_min_ps, _mm512_mul_ps, _mm512_set1_ps,
-        _mm512_ternarylogic_epi32, _mm512_test_epi32_mask,
+        __m128, __m512, __m512d, __m512i, _CMP_LT_OQ, _mm_castpd_ps, _mm_castsi128_pd, _mm_loadh_pd, _mm_loadl_epi64,
+        _mm_loadu_ps, _mm512_abs_ps, _mm512_add_ps, _mm512_castpd_ps, _mm512_castpd128_pd512, _mm512_castps128_ps512,
+        _mm512_cmp_ps_mask, _mm512_cmpge_epu32_mask, _mm512_insertf32x4, _mm512_mask_expand_ps, _mm512_mask_mov_ps,
+        _mm512_maskz_compress_ps, _mm512_max_ps, _mm512_min_ps, _mm512_mul_ps, _mm512_permutex2var_epi32,
+        _mm512_set1_epi32, _mm512_set1_ps, _mm512_ternarylogic_epi32, _mm512_test_epi32_mask, _mm512_unpackhi_pd,
+        _mm512_unpackhi_ps, _mm512_unpacklo_pd, _mm512_unpacklo_ps,
     };
 
-    use crate::optics::{Lanes, Mask};
+    use crate::optics::{LANES, Lanes, Mask};
 
     #[inline]
     #[target_feature(enable = "avx512f")]
@@ -209,5 +224,69 @@ mod kernels {
     #[target_feature(enable = "avx512f")]
     pub(super) fn put(lanes: u16, value: f32, elsewhere: &Lanes) -> Lanes {
         bytemuck::cast(_mm512_mask_mov_ps(bytemuck::cast::<_, __m512>(*elsewhere), lanes, _mm512_set1_ps(value)))
+    }
+
+    /// Panics unless all of `at` are below `len`, in one comparison.
+    #[inline]
+    #[target_feature(enable = "avx512f")]
+    fn check(at: &[u32; LANES], len: usize) {
+        let len = u32::try_from(len).unwrap_or(u32::MAX);
+        let is_beyond = _mm512_cmpge_epu32_mask(bytemuck::cast::<_, __m512i>(*at), _mm512_set1_epi32(len as i32));
+        assert!(is_beyond == 0, "no such row");
+    }
+
+    /// One of sixteen numbers, read from memory: of numbers that are in a register already the compiler would take each one out, which
+    /// is dearer.
+    #[inline]
+    fn number(at: &[u32; LANES], lane: usize) -> usize {
+        // SAFETY: a reference to a number can be read.
+        unsafe { std::ptr::read_volatile(&raw const at[lane]) as usize }
+    }
+
+    #[inline]
+    #[target_feature(enable = "avx512f")]
+    pub(super) fn rows(table: &[[f32; 4]], at: &[u32; LANES]) -> [Lanes; 4] {
+        check(at, table.len());
+        // SAFETY: `check` compared all of them with the length; a row has as many bytes as are loaded.
+        let row = |lane: usize| -> __m128 { unsafe { _mm_loadu_ps(table.as_ptr().add(number(at, lane)).cast()) } };
+        // Four rows, four lanes apart, so that unpacking by pairs ends in the order of the lanes.
+        let four = |lane: usize| {
+            let rows = _mm512_castps128_ps512(row(lane));
+            let rows = _mm512_insertf32x4::<1>(rows, row(lane + 4));
+            let rows = _mm512_insertf32x4::<2>(rows, row(lane + 8));
+            _mm512_insertf32x4::<3>(rows, row(lane + 12))
+        };
+        let (a, b, c, d) = (four(0), four(1), four(2), four(3));
+        let double = bytemuck::cast::<__m512, __m512d>;
+        let (ab_low, ab_high) = (double(_mm512_unpacklo_ps(a, b)), double(_mm512_unpackhi_ps(a, b)));
+        let (cd_low, cd_high) = (double(_mm512_unpacklo_ps(c, d)), double(_mm512_unpackhi_ps(c, d)));
+        [
+            _mm512_unpacklo_pd(ab_low, cd_low),
+            _mm512_unpackhi_pd(ab_low, cd_low),
+            _mm512_unpacklo_pd(ab_high, cd_high),
+            _mm512_unpackhi_pd(ab_high, cd_high),
+        ]
+        .map(bytemuck::cast)
+    }
+
+    #[inline]
+    #[target_feature(enable = "avx512f")]
+    pub(super) fn pairs(table: &[[u32; 2]], at: &[u32; LANES]) -> [[u32; LANES]; 2] {
+        const FIRST: [u32; LANES] = [0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30];
+        const SECOND: [u32; LANES] = [1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31];
+        check(at, table.len());
+        // SAFETY: `check` compared all of them with the length; a row has as many bytes as are loaded.
+        let two = |lane: usize| unsafe {
+            let first = _mm_loadl_epi64(table.as_ptr().add(number(at, lane)).cast());
+            _mm_loadh_pd(_mm_castsi128_pd(first), table.as_ptr().add(number(at, lane + 1)).cast())
+        };
+        let eight = |lane: usize| {
+            let rows = _mm512_castpd128_pd512(two(lane));
+            let rows = _mm512_insertf32x4::<1>(_mm512_castpd_ps(rows), _mm_castpd_ps(two(lane + 2)));
+            let rows = _mm512_insertf32x4::<2>(rows, _mm_castpd_ps(two(lane + 4)));
+            bytemuck::cast::<_, __m512i>(_mm512_insertf32x4::<3>(rows, _mm_castpd_ps(two(lane + 6))))
+        };
+        let (low, high) = (eight(0), eight(8));
+        [FIRST, SECOND].map(|order| bytemuck::cast(_mm512_permutex2var_epi32(low, bytemuck::cast(order), high)))
     }
 }

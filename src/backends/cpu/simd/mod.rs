@@ -19,7 +19,7 @@ pub(super) use avx2::ByAvx2;
 pub(super) use avx512::ByAvx512;
 pub(super) use by_lane::ByLane;
 
-use crate::optics::{Lanes, Mask};
+use crate::optics::{LANES, Lanes, Mask};
 
 /// What an instruction set does with sixteen lanes.
 pub(super) trait Simd: Copy {
@@ -54,6 +54,37 @@ pub(super) trait Simd: Copy {
     fn expand(self, lanes: u16, packed: &Lanes, elsewhere: f32) -> Lanes;
     /// Puts one number in the lanes whose bit is set.
     fn put(self, lanes: u16, value: f32, elsewhere: &Lanes) -> Lanes;
+
+    /// Row `at[i]` of a table for each lane i, by columns.
+    ///
+    /// # Panics
+    /// If there is no such row.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "kernels must inline into the function compiled for wider vectors")]
+    fn rows(self, table: &[[f32; 4]], at: &[u32; LANES]) -> [Lanes; 4] {
+        let mut columns = [[0.0; LANES]; 4];
+        for (lane, &at) in at.iter().enumerate() {
+            let row = table[at as usize];
+            for c in 0..4 {
+                columns[c][lane] = row[c];
+            }
+        }
+        columns
+    }
+
+    /// The same of a table of pairs.
+    ///
+    /// # Panics
+    /// If there is no such row.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "kernels must inline into the function compiled for wider vectors")]
+    fn pairs(self, table: &[[u32; 2]], at: &[u32; LANES]) -> [[u32; LANES]; 2] {
+        let mut columns = [[0; LANES]; 2];
+        for (lane, &at) in at.iter().enumerate() {
+            [columns[0][lane], columns[1][lane]] = table[at as usize];
+        }
+        columns
+    }
 }
 
 /// For each pattern of eight lanes, the set ones in order, then zeros.
