@@ -53,6 +53,7 @@ use super::meshes;
 /// What was asked for, found possible without reading the meshes.
 pub(super) struct Request<'a> {
     meshes: &'a [PathBuf],
+    frames: u32,
     arguments: &'a Arguments,
     options: RenderOptions,
     backend: Backend,
@@ -102,8 +103,9 @@ impl<'a> Request<'a> {
         let has_others = depth || external.is_some() || !triangles.is_empty();
         Ok(Self {
             meshes,
+            frames,
             arguments,
-            options: RenderOptions { geometry: geometry.options(), depth, ..options(arguments, frames)? },
+            options: RenderOptions { geometry: geometry.options(), depth, ..options(arguments)? },
             planes: arguments.planes.options(arguments)?,
             cubes: arguments.cubes.detail(arguments, &geometry.options(), has_others)?,
             backend: if arguments.planes.are_chosen() {
@@ -124,7 +126,7 @@ impl<'a> Request<'a> {
         if self.arguments.planes.are_chosen() || self.cubes.is_some() {
             return self.read_volume();
         }
-        let Self { meshes, arguments, options, backend, transfer, bands, view, triangles, external, .. } = self;
+        let Self { meshes, frames, arguments, options, backend, transfer, bands, view, triangles, external, .. } = self;
         let meshes = &arguments.at_time(meshes)?;
         let label = meshes::label(meshes);
         if arguments.memory.is_some() {
@@ -165,7 +167,8 @@ impl<'a> Request<'a> {
         before.sample_memory();
 
         let memory = Memory::new(arguments.memory, &scene);
-        let options = RenderOptions { memory_bytes: memory.of_frame()?, ..options };
+        let cpu_method = cpu_method(arguments, scene.dataset().cells(), frames, [camera.width, camera.height]);
+        let options = RenderOptions { memory_bytes: memory.of_frame()?, cpu_method, ..options };
         let drawer = Drawer::Cells { scene: Box::new(scene), renderer: Box::new(backend.renderer(options)), memory };
         Ok(Setup { camera, options, backend, summary, before, transfer_note, drawer })
     }
@@ -349,10 +352,20 @@ fn read(paths: &[PathBuf], arguments: &Arguments, is_whole: bool, profile: &mut 
     dataset
 }
 
-/// Frames of a mesh from which on it pays to find what lies across each face, which takes as long as one or two of them.
-const OFTEN: u32 = 3;
+/// What composites on the CPU where nothing is said: rays where there are more cells than pixels, and frames enough that it pays to find what
+/// lies across each face, which takes as long as one or two of them.
+fn cpu_method(arguments: &Arguments, cells: usize, frames: u32, [width, height]: [u32; 2]) -> CpuMethod {
+    const OFTEN: u32 = 3;
+    let takes_any_order = matches!(arguments.sort, SortMethod::Auto | SortMethod::Exact) && !arguments.check_order;
+    let has_more_cells = cells as u64 > u64::from(width) * u64::from(height);
+    match arguments.cpu_method {
+        Some(method) => method,
+        None if frames >= OFTEN && has_more_cells && takes_any_order => CpuMethod::Rays,
+        None => CpuMethod::Footprints,
+    }
+}
 
-fn options(arguments: &Arguments, frames: u32) -> cellfan::Result<RenderOptions> {
+fn options(arguments: &Arguments) -> cellfan::Result<RenderOptions> {
     // The renderer would refuse it too, but only when the mesh has been read.
     if arguments.sort == SortMethod::Exact && arguments.cpu_method == Some(CpuMethod::Fans) {
         let problem = "exact needs --cpu-method footprints; with fans say --sort topological".to_owned();
@@ -367,19 +380,13 @@ fn options(arguments: &Arguments, frames: u32) -> cellfan::Result<RenderOptions>
                 .to_owned();
         return Err(Error::Option { option: "--memory", problem });
     }
-    let takes_any_order = matches!(arguments.sort, SortMethod::Auto | SortMethod::Exact) && !arguments.check_order;
-    let cpu_method = match arguments.cpu_method {
-        Some(method) => method,
-        None if frames >= OFTEN && takes_any_order => CpuMethod::Rays,
-        None => CpuMethod::Footprints,
-    };
     Ok(RenderOptions {
         model: arguments.model,
         integral: arguments.integral,
         output: arguments.output,
         sort: arguments.sort,
         stop_transmittance: arguments.stop,
-        cpu_method,
+        cpu_method: arguments.cpu_method.unwrap_or_default(),
         check_order: arguments.check_order,
         faces: arguments.faces,
         ..RenderOptions::default()

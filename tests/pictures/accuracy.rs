@@ -1,7 +1,7 @@
 //! A thousand random pixels against the reference: mean error at most 1e-4, largest at most 2e-3, in every channel.
 
 use cellfan::generate::Scheme;
-use cellfan::{Integral, Model, RenderOptions, SortMethod, TetMesh};
+use cellfan::{CpuMethod, Integral, Model, RenderOptions, SortMethod, TetMesh};
 
 use crate::check::Case;
 use crate::meshes::{grid, random_delaunay, smooth, steep, stepped, three_views};
@@ -15,11 +15,12 @@ fn check(name: &str, mesh: TetMesh) {
     for (view, camera) in three_views(320, 256) {
         let rays = case.random_rays(&camera, 2024, 2 * PIXELS);
         for (transfer_name, transfer) in [("smooth", smooth()), ("steep", steep()), ("stepped", stepped())] {
-            for model in Model::ALL {
-                let options = RenderOptions { model, ..RenderOptions::default() };
+            let methods = [CpuMethod::Footprints, CpuMethod::Rays];
+            for (model, cpu_method) in Model::ALL.into_iter().flat_map(|model| methods.map(|method| (model, method))) {
+                let options = RenderOptions { model, cpu_method, ..RenderOptions::default() };
                 let image = case.render(options, &transfer, &camera).image;
                 let errors = rays.errors(&image, model, &transfer, PIXELS);
-                let line = format!("{name:16} {view:9} {transfer_name:8} {model:20} {errors}");
+                let line = format!("{name:16} {view:9} {transfer_name:8} {model:20} {cpu_method:?} {errors}");
                 println!("{line}");
                 assert_eq!(errors.pixels, PIXELS, "{line}: too few covered pixels");
                 if !errors.are_small() {

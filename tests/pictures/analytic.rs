@@ -110,28 +110,38 @@ fn check_cube(cells: u64, scheme: Scheme, jitter: f64, cpu_method: CpuMethod) {
 
 #[test]
 fn homogeneous_cube_in_5_and_6() {
-    check_cube(5, Scheme::Five, 0.0, CpuMethod::Footprints);
-    check_cube(6, Scheme::Six, 0.0, CpuMethod::Footprints);
+    for cpu_method in [CpuMethod::Footprints, CpuMethod::Rays] {
+        check_cube(5, Scheme::Five, 0.0, cpu_method);
+        check_cube(6, Scheme::Six, 0.0, cpu_method);
+    }
 }
 
 #[test]
 fn homogeneous_cube_in_48_jittered() {
-    check_cube(48, Scheme::Six, 0.25, CpuMethod::Footprints);
+    for cpu_method in [CpuMethod::Footprints, CpuMethod::Rays] {
+        check_cube(48, Scheme::Six, 0.25, cpu_method);
+    }
 }
 
 #[test]
 fn homogeneous_cube_in_6000_regular() {
-    check_cube(6000, Scheme::Six, 0.0, CpuMethod::Footprints);
+    for cpu_method in [CpuMethod::Footprints, CpuMethod::Rays] {
+        check_cube(6000, Scheme::Six, 0.0, cpu_method);
+    }
 }
 
 #[test]
 fn homogeneous_cube_in_5000_regular() {
-    check_cube(5000, Scheme::Five, 0.0, CpuMethod::Footprints);
+    for cpu_method in [CpuMethod::Footprints, CpuMethod::Rays] {
+        check_cube(5000, Scheme::Five, 0.0, cpu_method);
+    }
 }
 
 #[test]
 fn homogeneous_cube_in_100_000_jittered() {
-    check_cube(100_000, Scheme::Six, 0.25, CpuMethod::Footprints);
+    for cpu_method in [CpuMethod::Footprints, CpuMethod::Rays] {
+        check_cube(100_000, Scheme::Six, 0.25, cpu_method);
+    }
 }
 
 #[test]

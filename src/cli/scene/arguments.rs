@@ -94,7 +94,7 @@ pub(in crate::cli) struct Arguments {
     #[arg(long, value_name = "T", help_heading = "Method", default_value = "1e-5", value_parser = transmittance, allow_hyphen_values = true)]
     pub(super) stop: f32,
     /// How the CPU composites: planes per pixel, rays followed from cell to cell (of tetrahedra; where that cannot be, planes), or the
-    /// triangles of the papers [default: rays where a mesh is drawn three times or more, else footprints].
+    /// triangles of the papers [default: rays for three frames or more of a mesh with more cells than pixels, else footprints].
     #[arg(long, value_name = "METHOD", help_heading = "Method", value_parser = one_of([("footprints", CpuMethod::Footprints), ("rays", CpuMethod::Rays), ("fans", CpuMethod::Fans)]))]
     pub(super) cpu_method: Option<CpuMethod>,
     /// Draw hexahedra, wedges, pyramids and voxels whole, or cut into tetrahedra, which is another field inside a cell

@@ -88,3 +88,33 @@ fn arithmetic_is_that_of_every_lane() {
         }
     }
 }
+
+#[test]
+fn rows_of_tables_are_those_asked_for() {
+    fn run(by: impl Simd, at: &[u32; LANES]) -> ([Lanes; 4], [[u32; LANES]; 2]) {
+        let rows: Vec<[f32; 4]> = (0..100).map(|i| [0.0, 0.25, 0.5, 0.75].map(|part| i as f32 + part)).collect();
+        let pairs: Vec<[u32; 2]> = (0..100).map(|i| [i, 1000 + i]).collect();
+        (by.rows(&rows, at), by.pairs(&pairs, at))
+    }
+    type Rows = fn(&[u32; LANES]) -> ([Lanes; 4], [[u32; LANES]; 2]);
+    let mut all: Vec<(&str, Rows)> = vec![("by lane", |at| run(ByLane, at))];
+    #[cfg(target_arch = "x86_64")]
+    if is_x86_feature_detected!("avx512f") {
+        // SAFETY: detected in the line above.
+        all.push(("AVX-512", |at| run(unsafe { ByAvx512::new() }, at)));
+    }
+    for (name, run) in all {
+        let at: [u32; LANES] = std::array::from_fn(|lane| (37 * lane as u32 + 5) % 100);
+        let (rows, pairs) = run(&at);
+        for lane in 0..LANES {
+            let row = [0.0, 0.25, 0.5, 0.75].map(|part| at[lane] as f32 + part);
+            assert_eq!(rows.map(|column| column[lane]), row, "{name}, lane {lane}");
+            assert_eq!(pairs.map(|column| column[lane]), [at[lane], 1000 + at[lane]], "{name}, lane {lane}");
+        }
+        for lane in [0, 7, 15] {
+            let mut beyond = at;
+            beyond[lane] = 100;
+            assert!(std::panic::catch_unwind(|| run(&beyond)).is_err(), "{name}, lane {lane}");
+        }
+    }
+}
