@@ -17,7 +17,7 @@ use cellfan::geometry::{GeometryOptions, TriangleMesh};
 use cellfan::io::StructuredMesh;
 use cellfan::optics::Output;
 use cellfan::{
-    Dataset, Field, FieldSelection, Model, Points, RenderOptions, Rendered, Renderer, Scene, SortMethod,
+    CpuMethod, Dataset, Field, FieldSelection, Model, Points, RenderOptions, Rendered, Renderer, Scene, SortMethod,
     TransferFunction,
 };
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
@@ -76,6 +76,35 @@ fn frames(criterion: &mut Criterion) {
             group.finish();
         }
     }
+}
+
+/// Rays from cell to cell beside footprints of the same views, two pictures that differ by rounding.
+fn rays(criterion: &mut Criterion) {
+    let is_large = std::env::var_os("CELLFAN_BENCH_LARGE").is_some();
+    let (cells, side_px) = if is_large { (6_000_000, 1024) } else { (200_000, 200) };
+    let mesh = Mesh::generate(Kind::Tets, cells);
+    let views: Vec<_> = (0..32).map(|i| mesh.camera(f64::from(i) * 360.0 / 32.0, side_px)).collect();
+    let drawn = mesh.dataset.tets.len() as u64;
+    let scene = Scene::new(mesh.dataset, mesh.field, &transfer());
+    let mut group = criterion.benchmark_group("frame/rays");
+    group.sample_size(10).throughput(Throughput::Elements(drawn));
+    let mut pictures = Vec::new();
+    for (name, cpu_method) in [("footprints", CpuMethod::Footprints), ("rays", CpuMethod::Rays)] {
+        let mut renderer = Renderer::new(RenderOptions { cpu_method, ..RenderOptions::default() });
+        let first = renderer.render(&scene, &views[0]).expect("the camera is valid");
+        check(&first, Model::EmissionAbsorption);
+        pictures.push(first.image);
+        let mut frame = 0;
+        group.bench_function(format!("{name}/{drawn}"), |bencher| {
+            bencher.iter(|| {
+                frame += 1;
+                renderer.render(&scene, &views[frame % views.len()]).expect("the camera is valid")
+            });
+        });
+    }
+    group.finish();
+    let difference = pictures[0].difference(&pictures[1], [0.0; 4]).expect("they have one size");
+    assert!(difference.max < 1e-3 && pictures[0] != pictures[1], "{difference:?}");
 }
 
 /// A quarter of a shell of n³ cells, twisted about its axis, with so many arrays of extinctions in cells.
@@ -284,5 +313,5 @@ fn gpu() -> Option<Make> {
     None
 }
 
-criterion_group!(benches, frames, hexahedra, bands, geometry);
+criterion_group!(benches, frames, rays, hexahedra, bands, geometry);
 criterion_main!(benches);

@@ -159,7 +159,7 @@ fn thousands_of_segments_add_up_to_a_millionth() {
                 }
             }
             println!("{name} {cpu_method:?}: {worst:?}");
-            let allowed = if cpu_method == CpuMethod::Fans { 1e-5 } else { 1e-6 };
+            let allowed = if cpu_method == CpuMethod::Footprints { 1e-6 } else { 1e-5 };
             assert!(worst.iter().all(|&worst| worst < allowed), "{name} {cpu_method:?}: {worst:?}");
         }
     }

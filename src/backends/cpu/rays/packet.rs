@@ -4,7 +4,7 @@
 //! fourth vertex, positions u relative to the ray in the picture and e(u) = d × u, it leaves by the face that has d and the two of a, b, c
 //! between which it passes d: without c where e(a) ≥ 0 > e(b), without a where e(b) ≥ 0 > e(c), without b otherwise. The signed areas
 //! a × b, b × c, c × a are the weights of c, a and b in the picture; of the new face one stays and two are ± an e, so that each edge is
-//! decided by the same bits in all cells around it. Inverse depth v and scalar over depth s·v are linear in the picture: the ray leaves
+//! decided by the same bits in all cells around it; a ray through an edge passes it as if it were a little aside. Inverse depth v and scalar over depth s·v are linear in the picture: the ray leaves
 //! at w = Σ weight / Σ weight·v with s = Σ weight·s·v / Σ weight·v. One division a step.
 //!
 //! Garrity 1990 (from cell to cell); Marmitt and Slusallek 2006 (one vertex a step).
@@ -150,6 +150,13 @@ impl Packet {
             e[1][i] = x[i] * b.y[i] - y[i] * b.x[i];
             e[2][i] = x[i] * c.y[i] - y[i] * c.x[i];
         }
+        let mut is_on_edge = [0; LANES];
+        for i in 0..LANES {
+            is_on_edge[i] = inside[i] & (mask(e[0][i] == 0.0) | mask(e[1][i] == 0.0) | mask(e[2][i] == 0.0));
+        }
+        if simd.bits(&is_on_edge) != 0 {
+            step_aside(&mut e, [&x, &y], [&a, &b, &c]);
+        }
         // The corner that the apex replaces.
         let (mut is_a, mut is_b, mut is_c) = ([0; LANES], [0; LANES], [0; LANES]);
         let (mut dropped, mut across) = ([0; LANES], [0; LANES]);
@@ -289,6 +296,22 @@ impl Packet {
                 let shows_through = mask(O::transmittance(so_far) >= mesh.frame.stop_transmittance);
                 self.is_inside[i] &= shows_through;
                 self.is_ended[i] = !shows_through;
+            }
+        }
+    }
+}
+
+/// Decides for rays that run through an edge from the apex d to a corner u, where d × u is 0: as if the ray were a little to the right, and
+/// less down. So do entrances, and all cells around the edge.
+#[inline(never)]
+fn step_aside(e: &mut [Lanes; 3], [x, y]: [&Lanes; 2], corners: [&Corner; 3]) {
+    for (e, corner) in e.iter_mut().zip(corners) {
+        for i in 0..LANES {
+            let (right, down) = (y[i] - corner.y[i], corner.x[i] - x[i]);
+            let aside = if right == 0.0 { down } else { right };
+            // Of points at one place neither is to a side of the other: no other corner is.
+            if e[i] == 0.0 && aside != 0.0 {
+                e[i] = f32::MIN_POSITIVE.copysign(aside);
             }
         }
     }
