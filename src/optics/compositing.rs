@@ -15,6 +15,10 @@ pub trait Optics: Sync {
     /// Whether contributions only add up: a compositor then keeps what f32 would lose of the sum.
     const IS_SUM: bool = false;
 
+    /// Whether a contribution is the larger of two first numbers, and no more than the larger value at a segment's ends: a compositor
+    /// may then leave out what cannot be larger.
+    const IS_MAXIMUM: bool = false;
+
     /// The contribution of nothing.
     const CLEAR: [f32; 4];
 
