@@ -140,8 +140,8 @@ impl<'a> Request<'a> {
             None => array::choose(&dataset, arguments.array.as_deref()).map_err(|error| error.in_file(&label))?,
         };
         let (transfer, transfer_note) = match band_note {
-            // Bands that do not glow have no use for colours; arrays glow white where nothing else is said.
-            Some(note) if options.model == Model::Absorption => (TransferFunction::constant([1.0; 3], 0.0)?, note),
+            // Bands that do not glow, or in colours of their own, have no use for others; arrays glow white where nothing else is said.
+            Some(note) if options.model != Model::EmissionAbsorption => (TransferFunction::constant([1.0; 3], 0.0)?, note),
             Some(note) if bands.are_arrays() && arguments.transfer.is_none() => {
                 (TransferFunction::constant([1.0; 3], 0.0)?, format!("white, {note}"))
             }

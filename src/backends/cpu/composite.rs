@@ -215,7 +215,7 @@ fn send<O: Optics, S: Sink<O>>(kernels: impl CellKernels, log: &mut Log, sink: &
     for number in log.group() {
         let (record, v_enter, packed) = log.get(number);
         let mut contribution = [[0.0; LANES]; 4];
-        for c in 0..4 {
+        for c in 0..O::CHANNELS {
             contribution[c] = kernels.expand(record.lanes, &packed[c], O::CLEAR[c]);
         }
         let v_enter = kernels.expand(record.lanes, &v_enter, f32::INFINITY);

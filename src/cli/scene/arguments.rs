@@ -38,8 +38,8 @@ pub(in crate::cli) struct Arguments {
     pub(in crate::cli) model: Model,
     /// Extinctions of wavelength bands: a .csv table of rows `value k1 k2 … kn` over the array, a .json table, or array:NAME,NAME…,
     /// whose values are extinctions. Any number for absorption (.exr: a channel a band, .npy: height, width, bands; .png: the
-    /// first three); three for emission-absorption, red, green, blue in the colours of --transfer, or more, whose light is
-    /// written in the same way. Arrays are white without --transfer [default: extinction times r, g, b, 1].
+    /// first three); three for emission: how much red, green and blue each place emits, a unit of length; three for emission-absorption, red,
+    /// green, blue in the colours of --transfer, or more, whose light is written in the same way. Arrays are white without --transfer [default: extinction times r, g, b, 1].
     #[arg(long, value_name = "BANDS", help_heading = "Picture")]
     pub(super) bands: Option<String>,
     /// What an absorption picture holds: transmitted intensity, or optical depth (not as .png).
