@@ -86,8 +86,10 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
     let of_check = of_check(&checked);
     if let Some(most) = checked.iter().copied().reduce(FrameCheck::most) {
         tracing::info!(
-            "of {}: mean difference from all points at most {:.3} levels of grey, jumps at most {:.3}, popping at most {:.3}, {} of sky in the ground",
+            "of {}, {} in the fog: mean difference from all points at most {:.3} levels of grey, jumps at most {:.3}, popping at most {:.3}, {} of \
+             sky in the ground",
             count(checked.len() as u64, "frame"),
+            checked.iter().filter(|found| found.is_in_fog).count(),
             most.difference,
             most.jump,
             most.popping,

@@ -36,6 +36,8 @@ pub struct FrameCheck {
     pub popping: f64,
     /// Pixels in which the sky shows below the horizon: those of sky from which no way through sky leads to the picture's upper edge.
     pub holes_px: usize,
+    /// Whether the eye is in the fog.
+    pub is_in_fog: bool,
 }
 
 impl FrameCheck {
@@ -47,6 +49,7 @@ impl FrameCheck {
             jump: self.jump.max(other.jump),
             popping: self.popping.max(other.popping),
             holes_px: self.holes_px.max(other.holes_px),
+            is_in_fog: self.is_in_fog || other.is_in_fog,
         }
     }
 }
@@ -71,7 +74,9 @@ impl FlightCheck {
         let drawn = greys(image);
         let full = FogRenderer::landscape(terrain, camera, &FogLook { tolerance_px: None, ..*look });
         let difference = mean_difference(&drawn, &greys(&self.renderer.draw(full, camera, look)?.image));
-        let mut found = FrameCheck { difference, ..FrameCheck::default() };
+        let [ground, thickness] = terrain.heights_at(camera.eye.x, camera.eye.y);
+        let is_in_fog = (ground..ground + thickness).contains(&camera.eye.z);
+        let mut found = FrameCheck { difference, is_in_fog, ..FrameCheck::default() };
         if let Some(before) = self.before.take() {
             found.jump = (difference - before.difference).abs();
             let as_before = self.renderer.draw(before.landscape, camera, look)?.image;
