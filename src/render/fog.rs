@@ -9,7 +9,7 @@ pub use check::{FlightCheck, FrameCheck};
 
 use super::{RenderOptions, Rendered, Renderer, Scene};
 use crate::camera::{Camera, Projection};
-use crate::columns::{Dataset, FieldSelection};
+use crate::columns::{CellMesh, Dataset, Field, FieldSelection};
 use crate::error::{Error, Result};
 use crate::fog::{Detail, Landscape, Profile, Terrain};
 use crate::image::Image;
@@ -101,15 +101,15 @@ impl FogRenderer {
     /// Those of [`Renderer::render`].
     pub fn render(&mut self, terrain: &Terrain, camera: &Camera, look: &FogLook) -> Result<Rendered> {
         camera.frame()?;
-        self.draw(Self::landscape(terrain, camera, look), camera, look)
+        self.draw(&FogScene::new(Self::landscape(terrain, camera, look))?, camera, look)
     }
 
     /// Draws a landscape, whose profile is that of the look.
     ///
     /// # Errors
     /// Those of [`Renderer::render`].
-    pub fn draw(&mut self, landscape: Landscape, camera: &Camera, look: &FogLook) -> Result<Rendered> {
-        let mut scene = scene(landscape, camera, &transfer(look)?)?;
+    pub fn draw(&mut self, fog: &FogScene, camera: &Camera, look: &FogLook) -> Result<Rendered> {
+        let mut scene = fog.scene(camera, &transfer(look)?)?;
         let mut rendered = self.renderer.render(&scene, camera)?;
         if look.model == Model::Mip {
             scene.set_transfer(&nothing()?);
@@ -120,25 +120,43 @@ impl FogRenderer {
         }
         Ok(rendered)
     }
+}
+
+/// A landscape, ready to be drawn from anywhere.
+pub struct FogScene {
+    /// Without its fog.
+    ground: Landscape,
+    dataset: Dataset,
+    field: Field,
+}
+
+impl FogScene {
+    /// Takes a landscape.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`].
+    pub fn new(mut landscape: Landscape) -> Result<Self> {
+        let fog = std::mem::replace(&mut landscape.fog, CellMesh::empty());
+        // Linear density in tetrahedra: many times as fast as whole prisms where the eye is among them.
+        let dataset = Dataset::from_cells(fog)?.into_tetrahedra()?;
+        let field = dataset.field(&FieldSelection::parse("density", &dataset.arrays))?;
+        Ok(Self { ground: landscape, dataset, field })
+    }
 
     /// The ground as it is without fog: opaque where there is any.
     ///
     /// # Errors
     /// Those of [`Renderer::render`].
-    pub fn bare(landscape: Landscape, camera: &Camera) -> Result<Image> {
-        without_fog(&scene(landscape, camera, &nothing()?)?, camera)
+    pub fn bare(&self, camera: &Camera) -> Result<Image> {
+        without_fog(&self.scene(camera, &nothing()?)?, camera)
     }
-}
 
-/// Fog and ground of a landscape.
-fn scene(landscape: Landscape, camera: &Camera, transfer: &TransferFunction) -> Result<Scene> {
-    let ground = landscape.ground(camera.eye);
-    // Linear density in tetrahedra: many times as fast as whole prisms where the eye is among them.
-    let dataset = Dataset::from_cells(landscape.fog)?.into_tetrahedra()?;
-    let field = dataset.field(&FieldSelection::parse("density", &dataset.arrays))?;
-    let mut scene = Scene::new(dataset, field, transfer);
-    scene.add_triangles(&ground, None)?;
-    Ok(scene)
+    /// Fog and ground, as lit for a camera.
+    fn scene(&self, camera: &Camera, transfer: &TransferFunction) -> Result<Scene> {
+        let mut scene = Scene::new(self.dataset.clone(), self.field.clone(), transfer);
+        scene.add_triangles(&self.ground.ground(camera.eye), None)?;
+        Ok(scene)
+    }
 }
 
 /// Fog that does not show.

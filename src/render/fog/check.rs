@@ -3,10 +3,10 @@
 //! In: the frames of a flight, one after the other. Out, for each: how it differs from the same frame over all points of the terrain, by how much
 //! more or less than the frame before, what of it pops, and how many pixels of sky lie in the ground.
 
-use super::{FogLook, FogRenderer};
+use super::{FogLook, FogRenderer, FogScene};
 use crate::camera::Camera;
 use crate::error::Result;
-use crate::fog::{Landscape, Terrain};
+use crate::fog::{Detail, Terrain};
 use crate::image::Image;
 use crate::optics::color::srgb_from_linear;
 
@@ -15,12 +15,14 @@ pub struct FlightCheck {
     renderer: FogRenderer,
     /// Linear RGB.
     sky: [f64; 3],
+    /// All points of the terrain.
+    full: FogScene,
     before: Option<Before>,
 }
 
 /// What is kept of a frame for the next.
 struct Before {
-    landscape: Landscape,
+    scene: FogScene,
     difference: f64,
 }
 
@@ -55,35 +57,39 @@ impl FrameCheck {
 }
 
 impl FlightCheck {
-    /// Draws with `renderer`, whose options are those of the look, before a sky of linear RGB.
-    pub fn new(renderer: FogRenderer, sky: [f64; 3]) -> Self {
-        Self { renderer, sky, before: None }
+    /// Draws a terrain with `renderer`, whose options are those of the look, before a sky of linear RGB.
+    ///
+    /// # Errors
+    /// Those of [`FogScene::new`].
+    pub fn new(renderer: FogRenderer, terrain: &Terrain, look: &FogLook, sky: [f64; 3]) -> Result<Self> {
+        let full = FogScene::new(terrain.landscape(&Detail::Full, look.profile()))?;
+        Ok(Self { renderer, sky, full, before: None })
     }
 
-    /// Checks the next frame, `image`, in which `landscape` was drawn.
+    /// Checks the next frame, `image`, in which `scene` was drawn.
     ///
     /// # Errors
     /// Those of [`FogRenderer::render`].
     pub fn frame(
         &mut self,
         terrain: &Terrain,
-        (landscape, camera, look): (Landscape, &Camera, &FogLook),
+        (scene, camera, look): (FogScene, &Camera, &FogLook),
         image: &Image,
     ) -> Result<FrameCheck> {
         let greys = |image: &Image| greys(image, self.sky);
         let drawn = greys(image);
-        let full = FogRenderer::landscape(terrain, camera, &FogLook { tolerance_px: None, ..*look });
-        let difference = mean_difference(&drawn, &greys(&self.renderer.draw(full, camera, look)?.image));
+        let full = self.renderer.draw(&self.full, camera, look)?.image;
+        let difference = mean_difference(&drawn, &greys(&full));
         let [ground, thickness] = terrain.heights_at(camera.eye.x, camera.eye.y);
         let is_in_fog = (ground..ground + thickness).contains(&camera.eye.z);
         let mut found = FrameCheck { difference, is_in_fog, ..FrameCheck::default() };
         if let Some(before) = self.before.take() {
             found.jump = (difference - before.difference).abs();
-            let as_before = self.renderer.draw(before.landscape, camera, look)?.image;
+            let as_before = self.renderer.draw(&before.scene, camera, look)?.image;
             found.popping = mean_difference(&drawn, &greys(&as_before));
         }
-        found.holes_px = holes_px(&FogRenderer::bare(landscape.clone(), camera)?);
-        self.before = Some(Before { landscape, difference });
+        found.holes_px = holes_px(&scene.bare(camera)?);
+        self.before = Some(Before { scene, difference });
         Ok(found)
     }
 }
@@ -126,7 +132,7 @@ fn holes_px(bare: &Image) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fog::{Flight, MapSettings, fog_map, ground_map};
+    use crate::fog::{Flight, Landscape, MapSettings, fog_map, ground_map};
     use crate::optics::Model;
     use crate::render::Renderer;
 
@@ -157,20 +163,20 @@ mod tests {
         let look = FogLook::new(Model::Emission, &terrain).unwrap();
         let camera = Flight::new(&terrain, 0.35).camera(0.3, [96, 72]);
         let landscape = FogRenderer::landscape(&terrain, &camera, &look);
-        let holes = |landscape: Landscape| holes_px(&FogRenderer::bare(landscape, &camera).unwrap());
-        assert_eq!(holes(landscape.clone()), 0);
+        let scene = |landscape: &Landscape| FogScene::new(landscape.clone()).unwrap();
+        let holes = |landscape: &Landscape| holes_px(&scene(landscape).bare(&camera).unwrap());
+        assert_eq!(holes(&landscape), 0);
         // Without one triangle that shows, sky shows through it.
         let most = (0..landscape.triangles.len()).map(|lost| {
             let mut torn = landscape.clone();
             torn.triangles.remove(lost);
             torn
         });
-        assert!(most.map(holes).max() > Some(0));
-        let mut check = FlightCheck::new(FogRenderer::new(Renderer::new(FogRenderer::options(&look))), [0.2; 3]);
-        let mut renderer = FogRenderer::new(Renderer::new(FogRenderer::options(&look)));
-        let image = renderer.draw(landscape.clone(), &camera, &look).unwrap().image;
-        let first = check.frame(&terrain, (landscape.clone(), &camera, &look), &image).unwrap();
-        let again = check.frame(&terrain, (landscape, &camera, &look), &image).unwrap();
+        assert!(most.map(|torn| holes(&torn)).max() > Some(0));
+        let renderer = || FogRenderer::new(Renderer::new(FogRenderer::options(&look)));
+        let mut check = FlightCheck::new(renderer(), &terrain, &look, [0.2; 3]).unwrap();
+        let image = renderer().draw(&scene(&landscape), &camera, &look).unwrap().image;
+        let [first, again] = [(); 2].map(|()| check.frame(&terrain, (scene(&landscape), &camera, &look), &image).unwrap());
         assert!(first.difference < 2.0 && first.popping == 0.0 && first.holes_px == 0);
         assert_eq!((again.difference, again.jump, again.popping), (first.difference, 0.0, 0.0));
     }
