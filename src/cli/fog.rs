@@ -9,9 +9,9 @@ use std::path::Path;
 use std::time::Instant;
 
 use cellfan::image::Encoding;
+use cellfan::io;
 use cellfan::profile::{Profile, Stats};
 use cellfan::render::{FlightCheck, FogLook, FogRenderer, FogScene, FrameCheck};
-use cellfan::io;
 use serde_json::{Value, json};
 
 pub(super) use arguments::Arguments;
@@ -100,7 +100,10 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
             count(most.holes_px as u64, "pixel"),
         );
     }
-    let text = to_json(&stats, json!({ "triangles": triangles, "prisms": prisms, "landscape_ms": landscape_ms, "check": of_check }));
+    let text = to_json(
+        &stats,
+        json!({ "triangles": triangles, "prisms": prisms, "landscape_ms": landscape_ms, "check": of_check }),
+    );
     match (stats_path, &arguments.stats) {
         (Some(path), _) => io::write_text(path, &text)?,
         (None, Some(_)) => stdout::write(&text)?,

@@ -141,7 +141,9 @@ impl<'a> Request<'a> {
         };
         let (transfer, transfer_note) = match band_note {
             // Bands that do not glow, or in colours of their own, have no use for others; arrays glow white where nothing else is said.
-            Some(note) if options.model != Model::EmissionAbsorption => (TransferFunction::constant([1.0; 3], 0.0)?, note),
+            Some(note) if options.model != Model::EmissionAbsorption => {
+                (TransferFunction::constant([1.0; 3], 0.0)?, note)
+            }
             Some(note) if bands.are_arrays() && arguments.transfer.is_none() => {
                 (TransferFunction::constant([1.0; 3], 0.0)?, format!("white, {note}"))
             }

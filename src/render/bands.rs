@@ -22,13 +22,15 @@ impl Renderer {
         let Some(bands) = &scene.bands else { return Ok(()) };
         let count = bands.count();
         let problem = match self.options.model {
-            Model::Absorption => return Ok(()),
             Model::EmissionAbsorption if count < CHANNELS => {
                 format!(
                     "emission-absorption takes {CHANNELS} bands or more, red, green and blue first; there are {count}"
                 )
             }
-            Model::EmissionAbsorption if self.options.integral != Integral::Exact => {
+            Model::Emission if count != CHANNELS => {
+                format!("emission takes {CHANNELS} bands, red, green and blue; there are {count}")
+            }
+            Model::EmissionAbsorption | Model::Emission if self.options.integral != Integral::Exact => {
                 format!("--integral {} knows no bands; leave it out", self.options.integral)
             }
             Model::EmissionAbsorption => {
@@ -36,13 +38,7 @@ impl Renderer {
                 self.check_blends_by_channel()?;
                 return Ok(());
             }
-            Model::Emission if count != CHANNELS => {
-                format!("emission takes {CHANNELS} bands, red, green and blue; there are {count}")
-            }
-            Model::Emission if self.options.integral != Integral::Exact => {
-                format!("--integral {} knows no bands; leave it out", self.options.integral)
-            }
-            Model::Emission => return Ok(()),
+            Model::Absorption | Model::Emission => return Ok(()),
             Model::Mip => "mip has no bands; choose absorption, emission or emission-absorption".to_owned(),
         };
         Err(Error::Option { option: "--bands", problem })

@@ -2,7 +2,9 @@
 
 use cellfan::columns::{Array, Association, NumericColumn};
 use cellfan::optics::{BandPoint, BandTable, Output};
-use cellfan::{CpuMethod, Dataset, Field, FieldSelection, Model, RenderOptions, Rendered, Renderer, Scene, TransferFunction};
+use cellfan::{
+    CpuMethod, Dataset, Field, FieldSelection, Model, RenderOptions, Rendered, Renderer, Scene, TransferFunction,
+};
 
 use crate::bands::{DEPTH, bar, beside_the_diagonal, dark, draw, too_small, worst_depth};
 use crate::check::Case;

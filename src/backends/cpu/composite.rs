@@ -108,8 +108,14 @@ pub(super) fn composite<O: Optics, S: Sink<O>>(
             let tets = (lane..cells.len()).take_while(|&lane| cell_of(lane) < first_hexahedron).count();
             let Scratch { log, contributions, corners, batch, tet_hits, .. } = &mut *scratch;
             let ([s_min, s_max], length_max) = (batch.s_range(), batch.length_world_max());
-            let next =
-                kernels.meet_tets(tet_hits, tile, (batch, corners), lane..lane + tets, &done_blocks(batch, kernels, sink), log);
+            let next = kernels.meet_tets(
+                tet_hits,
+                tile,
+                (batch, corners),
+                lane..lane + tets,
+                &done_blocks(batch, kernels, sink),
+                log,
+            );
             for run in tet_hits.runs.iter().filter(|run| run.rays > 0) {
                 let span = CellSpan::new(tile.frame.intervals(), s_min[run.lane], s_max[run.lane]);
                 let span = span.within(length_max[run.lane]).of_cell(cell_of(run.lane));

@@ -87,7 +87,8 @@ impl<O: Optics> Sink<O> for Maximum {
             let was_least_of_all = *least <= self.least_of_all;
             *least = least_of_block;
             if was_least_of_all {
-                self.least_of_all = self.least.as_flattened().iter().fold(f32::INFINITY, |least, &value| min(value, least));
+                self.least_of_all =
+                    self.least.as_flattened().iter().fold(f32::INFINITY, |least, &value| min(value, least));
             }
         }
     }

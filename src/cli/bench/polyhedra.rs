@@ -33,7 +33,7 @@ pub(super) struct Arguments {
     /// Polyhedra of the generated meshes beside the paper's.
     #[arg(long, value_name = "N", default_value_t = 30_000, value_parser = clap::value_parser!(u64).range(2..=3_000_000))]
     cells: u64,
-    /// A folder with classic/bluntfin.vts and classic/Bucky.nhdr, which are drawn instead of grids of their sizes [default: $CELLFAN_DATA].
+    /// A folder with classic/bluntfin.vts and classic/Bucky.nhdr, which are drawn instead of grids of their sizes [default: `CELLFAN_DATA` of the environment].
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
 }

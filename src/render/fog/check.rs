@@ -176,7 +176,8 @@ mod tests {
         let renderer = || FogRenderer::new(Renderer::new(FogRenderer::options(&look)));
         let mut check = FlightCheck::new(renderer(), &terrain, &look, [0.2; 3]).unwrap();
         let image = renderer().draw(&scene(&landscape), &camera, &look).unwrap().image;
-        let [first, again] = [(); 2].map(|()| check.frame(&terrain, (scene(&landscape), &camera, &look), &image).unwrap());
+        let [first, again] =
+            [(); 2].map(|()| check.frame(&terrain, (scene(&landscape), &camera, &look), &image).unwrap());
         assert!(first.difference < 2.0 && first.popping == 0.0 && first.holes_px == 0);
         assert_eq!((again.difference, again.jump, again.popping), (first.difference, 0.0, 0.0));
     }

@@ -76,12 +76,16 @@ mod tests {
     #[test]
     fn keys_fall_with_values_and_bound_them() {
         let mut random = Random::new(5);
-        for (low, high) in [(0.0_f32, 1.0_f32), (-3e4, 2e-3), (1e6, 1e6 + 0.5), (1e-40, 3e-40), (-3e38, 3e38), (2.0, 2.0)] {
+        for (low, high) in
+            [(0.0_f32, 1.0_f32), (-3e4, 2e-3), (1e6, 1e6 + 0.5), (1e-40, 3e-40), (-3e38, 3e38), (2.0, 2.0)]
+        {
             let keys_per_unit = (LAST - FIRST) as f32 / (high - low);
             let keys_per_unit = if keys_per_unit.is_finite() { keys_per_unit } else { 0.0 };
             let largest = Largest { cell_values: None, high, keys_per_unit };
-            let mut values: Vec<f32> =
-                (0..2000).map(|_| (low + (high - low) * random.unit() as f32).clamp(low, high)).chain([low, high]).collect();
+            let mut values: Vec<f32> = (0..2000)
+                .map(|_| (low + (high - low) * random.unit() as f32).clamp(low, high))
+                .chain([low, high])
+                .collect();
             values.sort_by(f32::total_cmp);
             let keys: Vec<u32> = values.iter().map(|&value| largest.key(value)).collect();
             assert!(keys.is_sorted_by(|a, b| a >= b), "{low} to {high}");
@@ -91,7 +95,13 @@ mod tests {
             }
             // Two steps of the range at most, where f32 has as many numbers.
             if high - low == 1.0 {
-                assert!(values.iter().zip(&keys).skip(100).all(|(&value, &key)| key < 3 || largest.at_most(key) < value + 0.009));
+                assert!(
+                    values
+                        .iter()
+                        .zip(&keys)
+                        .skip(100)
+                        .all(|(&value, &key)| key < 3 || largest.at_most(key) < value + 0.009)
+                );
             }
         }
     }

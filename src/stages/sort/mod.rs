@@ -229,7 +229,8 @@ impl<'a> KeyMaker<'a> {
                 key_from_visible.extend(cells.map(|&cell| layer_from_cell[block.base + cell as usize]));
             }
             (Self::Largest(largest), kind) => {
-                let of = |corners: &[u32]| corners.iter().map(|&v| vertices[v as usize].scalar).fold(f32::NEG_INFINITY, max);
+                let of =
+                    |corners: &[u32]| corners.iter().map(|&v| vertices[v as usize].scalar).fold(f32::NEG_INFINITY, max);
                 let s_max = |cell: usize| match (largest.cell_values(), kind) {
                     (Some(values), _) => values[block.base + cell],
                     (None, BlockCells::Tets(tets)) => of(&tets.get(cell)),

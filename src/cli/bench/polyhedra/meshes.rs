@@ -125,7 +125,8 @@ fn read(path: &Path) -> Result<CellMesh> {
 /// The cells of all blocks, with values of points, and of cells as their corners' mean.
 fn hexahedra_of(mesh: &StructuredMesh, values: Vec<f32>) -> CellMesh {
     let blocks = mesh.blocks().iter().filter(|block| block.has_volume());
-    let hexahedra: Vec<[u32; 8]> = blocks.flat_map(|block| (0..block.cells()).map(|cell| block.corners(cell))).collect();
+    let hexahedra: Vec<[u32; 8]> =
+        blocks.flat_map(|block| (0..block.cells()).map(|cell| block.corners(cell))).collect();
     let mean = |corners: &[u32; 8]| corners.iter().map(|&v| values[v as usize]).sum::<f32>() / 8.0;
     let cell_values: Vec<f32> = hexahedra.iter().map(mean).collect();
     let array = |name: &str, association, values: Vec<f32>| Array {
@@ -139,10 +140,7 @@ fn hexahedra_of(mesh: &StructuredMesh, values: Vec<f32>) -> CellMesh {
         file_from_hexahedron: (0..hexahedra.len() as u32).collect(),
         counts: CellCounts { in_file: hexahedra.len() as u64, ..CellCounts::default() },
         hexahedra: hexahedra.into(),
-        arrays: vec![
-            array("value", Association::Point, values),
-            array("cell_value", Association::Cell, cell_values),
-        ],
+        arrays: vec![array("value", Association::Point, values), array("cell_value", Association::Cell, cell_values)],
         ..CellMesh::empty()
     }
 }
