@@ -93,3 +93,48 @@ impl<O: Optics> Sink<O> for Maximum {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::simd::ByLane;
+    use super::*;
+    use crate::optics::Mip;
+
+    type Optic<'a> = Mip<'a>;
+
+    #[test]
+    fn what_is_left_out_changes_nothing() {
+        let mut maximum = Maximum::default();
+        maximum.reset();
+        let done = |maximum: &Maximum, s_max| Sink::<Mip>::done_at(maximum, ByLane, 1.0, s_max);
+        let mut naive = [[f32::NEG_INFINITY; LANES]; BLOCKS];
+        let mut left_out = 0;
+        for i in 0..20_000_usize {
+            let block = i * 37 % BLOCKS;
+            let value = |lane: usize| ((i * 7919 + lane * 104_729) % 1000) as f32 - 1e-3 * i as f32;
+            let values: Lanes = std::array::from_fn(value);
+            let s_max = values.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+            for lane in 0..LANES {
+                naive[block][lane] = naive[block][lane].max(values[lane]);
+            }
+            let least = naive[block].iter().copied().fold(f32::INFINITY, f32::min);
+            if done(&maximum, s_max) >> block & 1 == 1 {
+                left_out += 1;
+                continue;
+            }
+            let contribution = [values, [0.0; LANES], [0.0; LANES], [0.0; LANES]];
+            let (lanes, v_enter) = (u16::MAX, [1.0; LANES]);
+            let fragments = Fragments { block, number: 0, lanes, v_enter: &v_enter, contribution: &contribution };
+            Sink::<Mip>::accept(&mut maximum, ByLane, &fragments, &mut Log::default());
+            assert_eq!(maximum.least[block / LANES][block % LANES].to_bits(), least.to_bits());
+        }
+        assert!(left_out > 1000, "{left_out}");
+        let found: Vec<f32> = maximum.contributions().map(|[largest, ..]| largest).collect();
+        assert_eq!(found, naive.as_flattened());
+        let least = naive.as_flattened().iter().copied().fold(f32::INFINITY, f32::min);
+        assert!(Sink::<Mip>::is_all_done_at(&maximum, least));
+        assert!(!Sink::<Mip>::is_all_done_at(&maximum, least + 1.0));
+        assert_eq!(done(&maximum, least), u64::MAX);
+        assert_eq!(done(&maximum, f32::INFINITY), 0);
+    }
+}
