@@ -52,8 +52,7 @@ impl Piecewise for Emission<'_> {
 
 /// RGB: ∫ c κ dt, A: ∫ κ dt, of segments within one piece.
 ///
-/// With t the value above the piece's start, c = color + slope·t, means κ̄, t̄ and differences Δκ, Δt of both ends, and length ℓ, it is
-/// ∫ c κ dt = ℓ κ̄ color + ℓ (κ̄ t̄ + Δκ Δt/12) slope: two products a channel.
+/// With length ℓ, means κ̄ and c̄ and differences Δκ and Δc of both ends, ∫ c κ dt = ℓ (κ̄ c̄ + Δκ Δc/12).
 #[inline(always)]
 pub(super) fn sums(piece: &Piece, segments: &[Segments], out: &mut [Contribution]) {
     let piece = &{ *piece };
@@ -62,10 +61,11 @@ pub(super) fn sums(piece: &Piece, segments: &[Segments], out: &mut [Contribution
             let (t0, t1) = (segments.enter[i] - piece.start, segments.leave[i] - piece.start);
             let (k0, k1) = (extinction(piece, t0), extinction(piece, t1));
             let length_world = segments.length_world[i];
-            let depth = length_world * 0.5 * (k0 + k1);
-            let moment = 0.5 * depth * (t0 + t1) + length_world * ((k1 - k0) * (t1 - t0)) * (1.0 / 12.0);
+            let (depth, rise) = (length_world * (0.5 * (k0 + k1)), length_world * ((k1 - k0) * (1.0 / 12.0)));
+            let (mean, difference) = (0.5 * t0 + 0.5 * t1, t1 - t0);
             for c in 0..3 {
-                out[c][i] = depth * piece.color[c] + moment * piece.color_slope[c];
+                let slope = piece.color_slope[c];
+                out[c][i] = depth * (piece.color[c] + mean * slope) + rise * (difference * slope);
             }
             out[3][i] = depth;
         }
