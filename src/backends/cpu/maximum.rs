@@ -100,8 +100,6 @@ mod tests {
     use super::*;
     use crate::optics::Mip;
 
-    type Optic<'a> = Mip<'a>;
-
     #[test]
     fn what_is_left_out_changes_nothing() {
         let mut maximum = Maximum::default();
