@@ -44,7 +44,7 @@ impl FogLook {
             }
         };
         let extinction_per_unit = per_side / terrain.side_world();
-        Ok(Self { model, color: [0.86, 0.88, 0.92], extinction_per_unit, tolerance_px: Some(1.0) })
+        Ok(Self { model, color: [0.86, 0.88, 0.92], extinction_per_unit, tolerance_px: Some(0.5) })
     }
 
     /// How dense fog is between ground and top, as the model needs it.

@@ -56,7 +56,7 @@ pub(in crate::cli) struct Arguments {
     #[arg(long, value_name = "WxH", help_heading = "Picture", value_parser = size)]
     pub(super) size: Option<[u32; 2]>,
     /// Pixels by which ground and fog may be off where points are left out.
-    #[arg(long, value_name = "PX", help_heading = "Picture", default_value = "1", value_parser = length, conflicts_with = "full", allow_hyphen_values = true)]
+    #[arg(long, value_name = "PX", help_heading = "Picture", default_value = "0.5", value_parser = length, conflicts_with = "full", allow_hyphen_values = true)]
     pub(super) tolerance: f64,
     /// Draw all points of the terrain.
     #[arg(long, help_heading = "Picture")]
