@@ -21,7 +21,7 @@ mod volume_scene;
 
 pub use cubes::{CubeScene, CubeStats, Detail};
 pub use depth_planes::depth_planes;
-pub use fog::{FogLook, FogRenderer};
+pub use fog::{FlightCheck, FogLook, FogRenderer, FogScene, FrameCheck};
 pub use options::{CpuMethod, RenderOptions};
 pub use profiled::profile_views;
 pub use scene::Scene;

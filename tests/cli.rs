@@ -13,6 +13,8 @@ mod cubes;
 mod depth_planes;
 #[path = "cli/errors.rs"]
 mod errors;
+#[path = "cli/fog.rs"]
+mod fog;
 #[path = "cli/geometry.rs"]
 mod geometry;
 #[cfg(feature = "gpu")]

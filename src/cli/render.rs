@@ -12,13 +12,13 @@ use std::time::Instant;
 use cellfan::image::{Encoding, Format, check_output};
 use cellfan::optics::Output;
 use cellfan::profile::{GeometryStats, Profile, Stats, peak_rss_bytes};
-use cellfan::{Error, Image, Model, RenderOptions, Rendered, io};
+use cellfan::{Error, Image, Model, Region, RenderOptions, Rendered, io};
 
 pub(super) use arguments::Arguments;
 pub(super) use pictures::Pictures;
 
 use super::progress::Progress;
-use super::scene::{Request, Setup};
+use super::scene::{Backend, Request, Setup};
 use super::{Outcome, stdout};
 
 pub(super) fn run(arguments: &Arguments) -> Outcome {
@@ -69,27 +69,16 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
     let written = pictures.finish()?;
     after.add("write", start.elapsed(), 0);
 
-    let Some(last) = &frames.last else { return Ok(()) };
+    let are_blank = frames.are_blank;
+    let (size, region) = ([setup.camera.width, setup.camera.height], setup.camera.region);
     let stats = Stats {
-        cells: last.cells.clone(),
-        triangles: last.triangles,
-        geometry: GeometryStats { uploaded_bytes: frames.uploaded_bytes, ..last.geometry },
-        order: last.order,
         before: setup.before,
-        frame: Profile::median(&frames.profiles),
-        after,
-        frames: frames.times_ms,
-        backend: setup.backend.name(),
-        adapter: setup.backend.adapter(),
-        threads: rayon::current_num_threads(),
-        peak_rss_bytes: peak_rss_bytes(),
         memory_bytes: arguments.scene.memory,
-        size_px: [setup.camera.width, setup.camera.height],
-        region: setup.camera.region,
+        ..frames.into_stats(&setup.backend, after, size, region)
     };
     setup.backend.say();
     setup.summary.say(&stats.cells, &stats.order);
-    if frames.are_blank {
+    if are_blank {
         Setup::warn_blank();
     }
     tracing::info!("wrote {written}");
@@ -104,7 +93,7 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
 
 /// What is kept of the frames.
 #[derive(Default)]
-struct Frames {
+pub(super) struct Frames {
     profiles: Vec<Profile>,
     times_ms: Vec<f64>,
     /// Bytes of geometry that were sent to a GPU.
@@ -115,12 +104,41 @@ struct Frames {
 }
 
 impl Frames {
-    fn add(&mut self, rendered: Rendered, options: RenderOptions) {
+    pub(super) fn add(&mut self, rendered: Rendered, options: RenderOptions) {
         self.are_blank = rendered.covered_px(&options) == 0 && (self.are_blank || self.last.is_none());
         self.profiles.push(rendered.profile.clone());
         self.times_ms.push(rendered.frame_ms);
         self.uploaded_bytes += rendered.geometry.uploaded_bytes;
         self.last = Some(Rendered { image: Image::filled(0, 0, [0.0; 4]), bands: None, ..rendered });
+    }
+
+    /// The figures of all, and of what came `after` them.
+    pub(super) fn into_stats(
+        self,
+        backend: &Backend,
+        after: Profile,
+        size_px: [u32; 2],
+        region: Option<Region>,
+    ) -> Stats {
+        let of_last = |last: Rendered| Stats {
+            cells: last.cells,
+            triangles: last.triangles,
+            geometry: GeometryStats { uploaded_bytes: self.uploaded_bytes, ..last.geometry },
+            order: last.order,
+            ..Stats::default()
+        };
+        Stats {
+            frame: Profile::median(&self.profiles),
+            after,
+            frames: self.times_ms,
+            backend: backend.name(),
+            adapter: backend.adapter(),
+            threads: rayon::current_num_threads(),
+            peak_rss_bytes: peak_rss_bytes(),
+            size_px,
+            region,
+            ..self.last.map(of_last).unwrap_or_default()
+        }
     }
 }
 

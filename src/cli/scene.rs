@@ -34,7 +34,7 @@ use cellfan::{
 };
 
 pub(super) use arguments::Arguments;
-use backend::Backend;
+pub(super) use backend::{Backend, Device};
 use bands::BandSource;
 pub(super) use composite::Composite;
 use cubes::CubesDrawer;
@@ -109,9 +109,9 @@ impl<'a> Request<'a> {
             planes: arguments.planes.options(arguments)?,
             cubes: arguments.cubes.detail(arguments, &geometry.options(), has_others)?,
             backend: if arguments.planes.are_chosen() {
-                Backend::processor(arguments)?
+                Backend::processor(&arguments.device)?
             } else {
-                Backend::choose(arguments)?
+                Backend::choose(&arguments.device, arguments.needs_processor())?
             },
             transfer: TransferSource::load(arguments)?,
             bands: BandSource::load(arguments)?,
@@ -143,8 +143,10 @@ impl<'a> Request<'a> {
             None => array::choose(&dataset, arguments.array.as_deref()).map_err(|error| error.in_file(&label))?,
         };
         let (transfer, transfer_note) = match band_note {
-            // Bands that do not glow have no use for colours; arrays glow white where nothing else is said.
-            Some(note) if options.model == Model::Absorption => (TransferFunction::constant([1.0; 3], 0.0)?, note),
+            // Bands that do not glow, or in colours of their own, have no use for others; arrays glow white where nothing else is said.
+            Some(note) if options.model != Model::EmissionAbsorption => {
+                (TransferFunction::constant([1.0; 3], 0.0)?, note)
+            }
             Some(note) if bands.are_arrays() && arguments.transfer.is_none() => {
                 (TransferFunction::constant([1.0; 3], 0.0)?, format!("white, {note}"))
             }
@@ -204,6 +206,14 @@ impl<'a> Request<'a> {
 }
 
 impl Arguments {
+    /// What only the processor can do.
+    fn needs_processor(&self) -> Option<&'static str> {
+        if self.memory.is_some() {
+            return Some("--memory is kept on the CPU only (a GPU has --gpu-memory)");
+        }
+        (self.cpu_method == Some(CpuMethod::Fans)).then_some("--cpu-method fans is the CPU's")
+    }
+
     /// The meshes, at the time that was asked for.
     fn at_time(&self, meshes: &[PathBuf]) -> cellfan::Result<Vec<PathBuf>> {
         match self.time {
@@ -221,7 +231,7 @@ impl Arguments {
             ("backend", setup.backend.name().into()),
             ("bands", setup.band_names().into()),
             ("cells", cells.into()),
-            ("gpu_memory", self.gpu_memory.into()),
+            ("gpu_memory", self.device.gpu_memory.into()),
             ("memory", self.memory.into()),
             ("mesh_triangles", setup.added_triangles().into()),
             ("no_mmap", self.no_mmap.into()),
@@ -247,7 +257,7 @@ impl Setup {
         match drawer {
             Drawer::Cells { scene, renderer, memory } => {
                 let draw = |renderer: &mut Renderer| renderer.render(scene, camera);
-                backend.render(renderer, *options, draw).map_err(|error| memory.in_process(error))
+                backend.render(&mut **renderer, *options, draw).map_err(|error| memory.in_process(error))
             }
             Drawer::Planes(drawer) => drawer.draw(camera, None),
             Drawer::Cubes(drawer) => drawer.draw(backend, *options, camera),

@@ -15,6 +15,13 @@ pub trait Optics: Sync {
     /// Whether contributions only add up: a compositor then keeps what f32 would lose of the sum.
     const IS_SUM: bool = false;
 
+    /// Whether a contribution is the larger of two first numbers, and no more than the larger value at a segment's ends: a compositor
+    /// may then leave out what cannot be larger.
+    const IS_MAXIMUM: bool = false;
+
+    /// How many of a contribution's four numbers count: the first ones; what a compositor makes of the others is of no use.
+    const CHANNELS: usize = 4;
+
     /// The contribution of nothing.
     const CLEAR: [f32; 4];
 
@@ -110,6 +117,10 @@ pub(super) fn piecewise<O: Piecewise>(
         O::of_piece(pieces.piece(span.first), depth_max(span.first), segments, out);
         return;
     }
+    if O::IS_SUM && span.last - span.first < FEW {
+        add_few::<O>(pieces, span, depth_max, segments, out);
+        return;
+    }
     for (&segments, out) in segments.iter().zip(out) {
         let mut sum = O::CLEAR.map(|clear| [clear; LANES]);
         let mut lost = [[0.0; LANES]; 4];
@@ -148,6 +159,35 @@ pub(super) fn piecewise<O: Piecewise>(
         for c in 0..4 {
             for i in 0..LANES {
                 out[c][i] = if O::IS_SUM { sum[c][i] + lost[c][i] } else { sum[c][i] };
+            }
+        }
+    }
+}
+
+/// So many pieces are added up as they are: that rounds three times, 2·10^-7 of the sum at most.
+const FEW: usize = 4;
+
+/// Cuts segments at few pieces and adds the parts.
+#[inline(always)]
+fn add_few<O: Piecewise>(
+    pieces: &Pieces<O::Piece>,
+    span: CellSpan,
+    depth_max: impl Fn(usize) -> f32,
+    segments: &[Segments],
+    out: &mut [Contribution],
+) {
+    for (segments, out) in segments.iter().zip(out) {
+        *out = [[0.0; LANES]; 4];
+        let ramp = Ramp::new(segments);
+        for k in (span.first..=span.last).filter(|&k| !pieces.piece(k).is_transparent()) {
+            let (part, _) = ramp.cut(pieces.start_of(k), pieces.end_of(k));
+            let mut added = [[[0.0; LANES]; 4]];
+            O::of_piece(pieces.piece(k), depth_max(k), &[part], &mut added);
+            let [added] = added;
+            for c in 0..O::CHANNELS {
+                for i in 0..LANES {
+                    out[c][i] += added[c][i];
+                }
             }
         }
     }

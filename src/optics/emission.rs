@@ -1,7 +1,6 @@
 //! Emission: the gas glows and hides nothing. RGB = ∫ c κ dt, A = 0; the order does not matter.
 
-use super::compositing::{CellSpan, Optics, Piecewise, at, piecewise};
-use super::integral::product_mean;
+use super::compositing::{CellSpan, Optics, Piecewise, extinction, piecewise};
 use super::lanes::{Contribution, LANES, Segments};
 use super::pieces::{Piece, Pieces};
 
@@ -15,6 +14,7 @@ pub struct Emission<'a> {
 impl Optics for Emission<'_> {
     const IS_ORDERED: bool = false;
     const IS_SUM: bool = true;
+    const CHANNELS: usize = 3;
     const CLEAR: [f32; 4] = [0.0; 4];
 
     #[inline(always)]
@@ -51,17 +51,23 @@ impl Piecewise for Emission<'_> {
 }
 
 /// RGB: ∫ c κ dt, A: ∫ κ dt, of segments within one piece.
+///
+/// With length ℓ, means κ̄ and c̄ and differences Δκ and Δc of both ends, ∫ c κ dt = ℓ (κ̄ c̄ + Δκ Δc/12).
 #[inline(always)]
 pub(super) fn sums(piece: &Piece, segments: &[Segments], out: &mut [Contribution]) {
     let piece = &{ *piece };
     for (segments, out) in segments.iter().zip(out) {
         for i in 0..LANES {
-            let (k0, c0) = at(piece, segments.enter[i]);
-            let (k1, c1) = at(piece, segments.leave[i]);
+            let (t0, t1) = (segments.enter[i] - piece.start, segments.leave[i] - piece.start);
+            let (k0, k1) = (extinction(piece, t0), extinction(piece, t1));
+            let length_world = segments.length_world[i];
+            let (depth, rise) = (length_world * (0.5 * (k0 + k1)), length_world * ((k1 - k0) * (1.0 / 12.0)));
+            let (mean, difference) = (0.5 * t0 + 0.5 * t1, t1 - t0);
             for c in 0..3 {
-                out[c][i] = segments.length_world[i] * product_mean(k0, k1, c0[c], c1[c]);
+                let slope = piece.color_slope[c];
+                out[c][i] = depth * (piece.color[c] + mean * slope) + rise * (difference * slope);
             }
-            out[3][i] = segments.length_world[i] * 0.5 * (k0 + k1);
+            out[3][i] = depth;
         }
     }
 }

@@ -15,6 +15,8 @@ pub struct Mip<'a> {
 
 impl Optics for Mip<'_> {
     const IS_ORDERED: bool = false;
+    const IS_MAXIMUM: bool = true;
+    const CHANNELS: usize = 1;
     const CLEAR: [f32; 4] = [f32::NEG_INFINITY, 0.0, 0.0, 0.0];
 
     #[inline(always)]

@@ -1,16 +1,16 @@
 //! Bands with extinctions of their own: passes of one view, gathered into one picture.
 //!
 //! In: a frame without bands, the scene's bands. Out: four optical depths (or intensities) a pass, or two bands of light, in a
-//! [`BandImage`]; the light of the first three as red, green and blue of an [`Image`]. Arrays of point data take a pass each.
+//! [`BandImage`]; the light of the first three as red, green and blue of an [`Image`], which is all where nothing is dimmed (emission). Arrays of point data take a pass each.
 
 use super::band_arrays::{BandArray, BandArrays, CellPass};
 use super::scene::SceneBands;
-use super::{Drawn, Renderer, Scene};
+use super::{Drawn, RenderOptions, Renderer, Scene};
 use crate::backends::{Counts, Frame};
 use crate::error::{Error, Result};
 use crate::image::{BandImage, Image};
 use crate::optics::band_pieces::{BANDS_PER_PASS, GLOWING_BANDS_PER_PASS};
-use crate::optics::{BandCells, BandColumn, BandPasses, BandTable, Integral, Model};
+use crate::optics::{BandCells, BandColumn, BandPasses, BandTable, Integral, Model, Output};
 use crate::profile::Profile;
 
 /// Bands of light that are channels of a picture: red, green, blue.
@@ -22,13 +22,15 @@ impl Renderer {
         let Some(bands) = &scene.bands else { return Ok(()) };
         let count = bands.count();
         let problem = match self.options.model {
-            Model::Absorption => return Ok(()),
             Model::EmissionAbsorption if count < CHANNELS => {
                 format!(
                     "emission-absorption takes {CHANNELS} bands or more, red, green and blue first; there are {count}"
                 )
             }
-            Model::EmissionAbsorption if self.options.integral != Integral::Exact => {
+            Model::Emission if count != CHANNELS => {
+                format!("emission takes {CHANNELS} bands, red, green and blue; there are {count}")
+            }
+            Model::EmissionAbsorption | Model::Emission if self.options.integral != Integral::Exact => {
                 format!("--integral {} knows no bands; leave it out", self.options.integral)
             }
             Model::EmissionAbsorption => {
@@ -36,9 +38,8 @@ impl Renderer {
                 self.check_blends_by_channel()?;
                 return Ok(());
             }
-            model @ (Model::Emission | Model::Mip) => {
-                format!("{model} has no bands; choose absorption or emission-absorption")
-            }
+            Model::Absorption | Model::Emission => return Ok(()),
+            Model::Mip => "mip has no bands; choose absorption, emission or emission-absorption".to_owned(),
         };
         Err(Error::Option { option: "--bands", problem })
     }
@@ -51,6 +52,9 @@ impl Renderer {
         frame: &Frame,
         profile: &mut Profile,
     ) -> Result<Drawn> {
+        if self.options.model == Model::Emission {
+            return self.draw_emitting(scene, bands, frame, profile);
+        }
         let glows = self.options.model == Model::EmissionAbsorption;
         let passes_of = |table: &BandTable, first: usize, offset: f64| {
             if glows { table.glowing_passes(&scene.transfer, first, offset) } else { table.passes(offset) }
@@ -77,6 +81,24 @@ impl Renderer {
             }
         }
         Ok(gathered.finish())
+    }
+
+    /// Draws bands that glow and dim nothing: what each emits along a ray is its optical depth, ∫ κ dt, as light.
+    fn draw_emitting(
+        &mut self,
+        scene: &Scene,
+        bands: &SceneBands,
+        frame: &Frame,
+        profile: &mut Profile,
+    ) -> Result<Drawn> {
+        let options = self.options;
+        self.options = RenderOptions { model: Model::Absorption, output: Output::Depth, ..options };
+        let drawn = self.draw_bands(scene, bands, frame, profile);
+        self.options = options;
+        let (mut image, _, counts) = drawn?;
+        image.pixels.iter_mut().for_each(|pixel| pixel[3] = 0.0);
+        self.put_behind(&mut image, frame);
+        Ok((image, None, counts))
     }
 
     /// Draws bands from `first` on, pass by pass.

@@ -3,11 +3,16 @@
 //! In: a [`Terrain`], a [`Camera`], a [`FogLook`]. Out: a [`Rendered`]. The prisms are a mesh made anew for each view, each drawn as three
 //! tetrahedra; the ground is opaque and cuts them by depth, as geometry does; the eye may be in the fog, and nothing is lost at the near plane.
 
+mod check;
+
+pub use check::{FlightCheck, FrameCheck};
+
 use super::{RenderOptions, Rendered, Renderer, Scene};
 use crate::camera::{Camera, Projection};
-use crate::columns::{Dataset, FieldSelection};
+use crate::columns::{CellMesh, Dataset, Field, FieldSelection};
 use crate::error::{Error, Result};
 use crate::fog::{Detail, Landscape, Profile, Terrain};
+use crate::image::Image;
 use crate::optics::{ControlPoint, Model, TransferFunction};
 
 /// What fog looks like.
@@ -39,7 +44,7 @@ impl FogLook {
             }
         };
         let extinction_per_unit = per_side / terrain.side_world();
-        Ok(Self { model, color: [0.86, 0.88, 0.92], extinction_per_unit, tolerance_px: Some(1.0) })
+        Ok(Self { model, color: [0.86, 0.88, 0.92], extinction_per_unit, tolerance_px: Some(0.5) })
     }
 
     /// How dense fog is between ground and top, as the model needs it.
@@ -52,6 +57,12 @@ impl FogLook {
 #[derive(Default)]
 pub struct FogRenderer {
     renderer: Renderer,
+}
+
+impl From<Renderer> for FogRenderer {
+    fn from(renderer: Renderer) -> Self {
+        Self::new(renderer)
+    }
 }
 
 impl FogRenderer {
@@ -90,25 +101,72 @@ impl FogRenderer {
     /// Those of [`Renderer::render`].
     pub fn render(&mut self, terrain: &Terrain, camera: &Camera, look: &FogLook) -> Result<Rendered> {
         camera.frame()?;
-        let landscape = Self::landscape(terrain, camera, look);
-        let ground = landscape.ground(camera.eye);
-        // Linear density in tetrahedra: many times as fast as whole prisms where the eye is among them.
-        let dataset = Dataset::from_cells(landscape.fog)?.into_tetrahedra()?;
-        let field = dataset.field(&FieldSelection::parse("density", &dataset.arrays))?;
-        let mut scene = Scene::new(dataset, field, &transfer(look)?);
-        scene.add_triangles(&ground, None)?;
+        self.draw(&FogScene::new(Self::landscape(terrain, camera, look))?, camera, look)
+    }
+
+    /// Draws a landscape, whose profile is that of the look.
+    ///
+    /// # Errors
+    /// Those of [`Renderer::render`].
+    pub fn draw(&mut self, fog: &FogScene, camera: &Camera, look: &FogLook) -> Result<Rendered> {
+        let mut scene = fog.scene(camera, &transfer(look)?)?;
         let mut rendered = self.renderer.render(&scene, camera)?;
         if look.model == Model::Mip {
-            // The ground as it is without fog: with nothing in front of it.
-            let clear = RenderOptions { model: Model::Emission, ..Self::options(look) };
-            scene.set_transfer(&TransferFunction::constant([0.0; 3], 0.0)?);
-            let behind = Renderer::new(clear).render(&scene, camera)?.image;
+            scene.set_transfer(&nothing()?);
+            let behind = without_fog(&scene, camera)?;
             for (pixel, behind) in rendered.image.pixels.iter_mut().zip(behind.pixels) {
                 *pixel = std::array::from_fn(|k| pixel[k].max(behind[k]));
             }
         }
         Ok(rendered)
     }
+}
+
+/// A landscape, ready to be drawn from anywhere.
+pub struct FogScene {
+    /// Without its fog.
+    ground: Landscape,
+    dataset: Dataset,
+    field: Field,
+}
+
+impl FogScene {
+    /// Takes a landscape.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`].
+    pub fn new(mut landscape: Landscape) -> Result<Self> {
+        let fog = std::mem::replace(&mut landscape.fog, CellMesh::empty());
+        // Linear density in tetrahedra: many times as fast as whole prisms where the eye is among them.
+        let dataset = Dataset::from_cells(fog)?.into_tetrahedra()?;
+        let field = dataset.field(&FieldSelection::parse("density", &dataset.arrays))?;
+        Ok(Self { ground: landscape, dataset, field })
+    }
+
+    /// The ground as it is without fog: opaque where there is any.
+    ///
+    /// # Errors
+    /// Those of [`Renderer::render`].
+    pub fn bare(&self, camera: &Camera) -> Result<Image> {
+        without_fog(&self.scene(camera, &nothing()?)?, camera)
+    }
+
+    /// Fog and ground, as lit for a camera.
+    fn scene(&self, camera: &Camera, transfer: &TransferFunction) -> Result<Scene> {
+        let mut scene = Scene::new(self.dataset.clone(), self.field.clone(), transfer);
+        scene.add_triangles(&self.ground.ground(camera.eye), None)?;
+        Ok(scene)
+    }
+}
+
+/// Fog that does not show.
+fn nothing() -> Result<TransferFunction> {
+    TransferFunction::constant([0.0; 3], 0.0)
+}
+
+/// A scene whose fog does not show.
+fn without_fog(scene: &Scene, camera: &Camera) -> Result<Image> {
+    Ok(Renderer::new(RenderOptions { model: Model::Emission, ..RenderOptions::default() }).render(scene, camera)?.image)
 }
 
 /// Light in proportion to density; in maximum intensity colour in proportion to it.

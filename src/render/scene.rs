@@ -252,8 +252,7 @@ impl Scene {
 
     /// Bands that a picture is gathered from beside its four channels.
     pub(super) fn bands_of_picture(&self, model: Model) -> usize {
-        let has_bands = matches!(model, Model::Absorption | Model::EmissionAbsorption);
-        self.bands.as_ref().filter(|_| has_bands).map_or(0, SceneBands::count)
+        self.bands.as_ref().filter(|_| model != Model::Mip).map_or(0, SceneBands::count)
     }
 
     /// Shows the field with another transfer function.

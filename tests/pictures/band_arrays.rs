@@ -2,7 +2,9 @@
 
 use cellfan::columns::{Array, Association, NumericColumn};
 use cellfan::optics::{BandPoint, BandTable, Output};
-use cellfan::{CpuMethod, Dataset, Field, FieldSelection, RenderOptions, Rendered, Renderer, Scene, TransferFunction};
+use cellfan::{
+    CpuMethod, Dataset, Field, FieldSelection, Model, RenderOptions, Rendered, Renderer, Scene, TransferFunction,
+};
 
 use crate::bands::{DEPTH, bar, beside_the_diagonal, dark, draw, too_small, worst_depth};
 use crate::check::Case;
@@ -57,6 +59,27 @@ fn arrays_are_extinctions() {
             let worst = worst_depth(&rays, &picture, other, |segments| depth(&identity, segments));
             assert!(worst > 0.1, "{other} passes as {first}");
         }
+    }
+}
+
+/// Red, green and blue that cells and points emit: as much light as there is optical depth of it, and nothing dimmed.
+#[test]
+fn three_arrays_are_what_red_green_and_blue_are_emitted() {
+    for ((_, dataset), names) in meshes().into_iter().zip([["value", "gaps", "alike"], ["some", "gaps", "value"]]) {
+        let fields = fields_of(&dataset, &names);
+        let scene = Scene::new(dataset, fields[0].clone(), &dark()).with_band_arrays(fields).unwrap();
+        let (_, camera) = three_views(90, 70)[0].clone();
+        let depths = Renderer::new(DEPTH).render(&scene, &camera).unwrap().bands.unwrap();
+        let options = RenderOptions { model: Model::Emission, ..RenderOptions::default() };
+        let rendered = Renderer::new(options).render(&scene, &camera).unwrap();
+        assert!(rendered.bands.is_none());
+        let mut lit = [0.0; 3];
+        for (pixel, depths) in rendered.image.pixels.iter().zip(depths.values.chunks_exact(3)) {
+            assert_eq!(pixel[..3], *depths);
+            assert_eq!(pixel[3].to_bits(), 0);
+            (0..3).for_each(|k| lit[k] += pixel[k]);
+        }
+        assert!(lit.iter().all(|&light| light > 0.0) && lit[0] != lit[1] && lit[1] != lit[2]);
     }
 }
 

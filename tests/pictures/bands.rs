@@ -379,8 +379,9 @@ fn what_a_model_cannot_do_with_bands_is_refused() {
     let plain = RenderOptions::default();
     assert!(error(plain, &two).contains("takes 3 bands or more"));
     assert!(error(RenderOptions { integral: Integral::Average, ..plain }, &three).contains("--integral average"));
+    assert!(error(RenderOptions { model: Model::Mip, ..plain }, &three).contains("has no bands"));
+    assert!(error(RenderOptions { model: Model::Emission, ..plain }, &two).contains("takes 3 bands"));
     for model in [Model::Mip, Model::Emission] {
-        assert!(error(RenderOptions { model, ..plain }, &three).contains("has no bands"));
         assert!(error(RenderOptions { model, ..DEPTH }, &case.scene(&smooth())).contains("--output"));
     }
     let arrays = case.scene(&smooth()).with_band_arrays(vec![case.dataset.homogeneous_field()]).unwrap();

@@ -13,7 +13,6 @@ use super::block::Projector;
 use super::budget::Plan;
 use super::grid::TileGrid;
 use crate::stages::scatter::as_atomic;
-use crate::stages::sort::SortKey;
 
 /// What the cells of a picture put into its tiles.
 #[derive(Debug)]
@@ -98,7 +97,7 @@ impl Bins {
         let grid = &census.grid;
         let band = grid.tiles(&rows);
         (self.grid, self.rows, self.is_shuffled) = (grid.clone(), rows.clone(), true);
-        self.has_no_keys = projector.frame.keys.key() == SortKey::None;
+        self.has_no_keys = projector.frame.keys.are_none();
         self.starts.clear();
         let mut next = 0;
         for &pairs in &census.pairs_from_tile[band.clone()] {

@@ -17,7 +17,6 @@ use super::grid::{SmallTileBox, TileBox, TileGrid};
 use super::kept::bits_of;
 use crate::backends::Counts;
 use crate::stages::scatter::as_atomic;
-use crate::stages::sort::SortKey;
 use crate::stages::sort::radix::Pair;
 
 /// A cell on more tiles than this is listed once instead of once a tile; chosen: few cells are so large.
@@ -84,7 +83,7 @@ impl Bins {
     pub(super) fn fill(&mut self, projector: &Projector) -> Filled {
         let grid = &TileGrid::new(projector.frame.view);
         (self.grid, self.rows, self.is_shuffled) = (grid.clone(), grid.rows.clone(), false);
-        self.has_no_keys = projector.frame.keys.key() == SortKey::None;
+        self.has_no_keys = projector.frame.keys.are_none();
         self.for_each_chunk(projector, |chunk, cells, blocks| {
             chunk.places.clear();
             chunk.places.resize(grid.len(), 0);

@@ -110,7 +110,7 @@ impl BlockCells {
                 let visible = std::mem::take(&mut self.cell_from_visible);
                 self.batches.resize(BATCHES, TetLanes::default());
                 for cells in visible.chunks(BATCHES * LANES) {
-                    self.project_tets(projector, tets, cells);
+                    self.project_tets(projector, (tets, block.base), cells);
                 }
                 self.cell_from_visible = visible;
             }
@@ -143,14 +143,18 @@ impl BlockCells {
     }
 
     /// The boxes and keys of some visible tetrahedra, sixteen at a time.
-    fn project_tets(&mut self, projector: &Projector, tets: &BlockTets, cell_from_visible: &[u32]) {
+    fn project_tets(&mut self, projector: &Projector, (tets, base): (&BlockTets, usize), cell_from_visible: &[u32]) {
         let Projector { frame, screen, boxes, kernels, .. } = projector;
         let start = Instant::now();
         let span = tracing::trace_span!("footprints").entered();
         let batches = &mut self.batches[..cell_from_visible.len().div_ceil(LANES)];
+        let cell_values = if let KeyMaker::Largest(largest) = &frame.keys { largest.cell_values() } else { None };
         for (batch, cells) in batches.iter_mut().zip(cell_from_visible.chunks(LANES)) {
             for (lane, &cell) in cells.iter().enumerate() {
                 batch.corners.set(lane, tets.get(cell as usize), frame.vertices, false);
+                if let Some(values) = cell_values {
+                    batch.corners.set_constant(lane, values[base + cell as usize]);
+                }
             }
             kernels.boxes(boxes, &batch.corners, &mut batch.boxes);
         }

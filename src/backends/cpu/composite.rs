@@ -13,6 +13,7 @@ use super::gather::Gather;
 use super::hits::Hits;
 use super::log::Log;
 use super::planes::TetBatch;
+use super::simd::Simd;
 use super::sink::{Fragments, Sink};
 use super::tetrahedra::TetHits;
 use super::tile::{BLOCKS, PIXELS, TileFrame};
@@ -20,7 +21,7 @@ use crate::optics::{CellSpan, Contribution, LANES, Optics};
 use crate::stages::footprints::hexahedra::{HexFootprint, Outline};
 use crate::stages::footprints::planes::Corners;
 use crate::stages::footprints::polyhedra::PolyFootprint;
-use crate::stages::sort::radix::{Pair, index_of};
+use crate::stages::sort::radix::{Pair, index_of, key_of};
 
 /// What compositing a tile needs beside its cells and its sink; kept between tiles and frames.
 pub(super) struct Scratch {
@@ -73,6 +74,10 @@ pub(super) fn composite<O: Optics, S: Sink<O>>(
         if sink.is_all_done() || (nth % LOOK == 0 && tile.frame.control.is_cancelled()) {
             return;
         }
+        // Largest values come first, where they count: none of the cells left exceeds this.
+        if O::IS_MAXIMUM && sink.is_all_done_at(tile.frame.keys.at_most(key_of(cells[0]))) {
+            return;
+        }
         let tets = gather.next(&mut scratch.corners);
         if tets > 0 {
             kernels.set_up_tets(&mut scratch.batch, tile, &scratch.corners);
@@ -103,8 +108,14 @@ pub(super) fn composite<O: Optics, S: Sink<O>>(
             let tets = (lane..cells.len()).take_while(|&lane| cell_of(lane) < first_hexahedron).count();
             let Scratch { log, contributions, corners, batch, tet_hits, .. } = &mut *scratch;
             let ([s_min, s_max], length_max) = (batch.s_range(), batch.length_world_max());
-            let next =
-                kernels.meet_tets(tet_hits, tile, (batch, corners), lane..lane + tets, &done_blocks(batch, sink), log);
+            let next = kernels.meet_tets(
+                tet_hits,
+                tile,
+                (batch, corners),
+                lane..lane + tets,
+                &done_blocks(batch, kernels, sink),
+                log,
+            );
             for run in tet_hits.runs.iter().filter(|run| run.rays > 0) {
                 let span = CellSpan::new(tile.frame.intervals(), s_min[run.lane], s_max[run.lane]);
                 let span = span.within(length_max[run.lane]).of_cell(cell_of(run.lane));
@@ -127,9 +138,15 @@ pub(super) fn composite<O: Optics, S: Sink<O>>(
 
 /// The blocks that take no fragments of each cell of the batch.
 #[inline(always)]
-fn done_blocks<O: Optics, S: Sink<O>>(batch: &TetBatch, sink: &S) -> [u64; LANES] {
-    let [_, v_max] = batch.v_range();
-    if sink.is_any_done() { v_max.map(|v_max| sink.done(v_max)) } else { [0; LANES] }
+fn done_blocks<O: Optics, S: Sink<O>>(batch: &TetBatch, simd: impl Simd, sink: &S) -> [u64; LANES] {
+    let mut done = [0; LANES];
+    if sink.is_any_done() {
+        let ([_, v_max], [_, s_max]) = (batch.v_range(), batch.s_range());
+        for lane in 0..LANES {
+            done[lane] = sink.done_at(simd, v_max[lane], s_max[lane]);
+        }
+    }
+    done
 }
 
 /// Shades the fragments of a hexahedron.
@@ -144,7 +161,7 @@ fn composite_hexahedron<O: Optics, S: Sink<O>>(
 ) {
     let Scratch { log, contributions, footprint, crossed, hits, .. } = scratch;
     kernels.set_up(footprint, &tile.rays, hexahedron);
-    let done = if sink.is_any_done() { sink.done(footprint.v_max) } else { 0 };
+    let done = if sink.is_any_done() { sink.done_at(kernels, footprint.v_max, footprint.s_max) } else { 0 };
     let span = CellSpan::new(tile.frame.intervals(), footprint.s_min, footprint.s_max);
     let span = span.within(tile.length_world_max([footprint.v_min, footprint.v_max])).of_cell(hexahedron.index);
     if footprint.outline == Outline::Simple {
@@ -176,7 +193,7 @@ fn composite_polyhedron<O: Optics, S: Sink<O>>(
     let (dataset, constant) = (tile.frame.dataset, tile.frame.cell_values().map(|values| values[index]));
     let cell = (&dataset.polyhedra.view(), index - dataset.first_polyhedron());
     footprint.set_up((&tile.rays, &tile.exact_rays), cell, tile.frame.vertices, constant);
-    let done = if sink.is_any_done() { sink.done(footprint.v_max) } else { 0 };
+    let done = if sink.is_any_done() { sink.done_at(kernels, footprint.v_max, footprint.s_max) } else { 0 };
     let span = CellSpan::new(tile.frame.intervals(), footprint.s_min, footprint.s_max);
     let span = span.within(tile.length_world_max([footprint.v_min, footprint.v_max])).of_cell(index);
     if constant.is_some() && !O::IS_ORDERED {
@@ -204,7 +221,7 @@ fn send<O: Optics, S: Sink<O>>(kernels: impl CellKernels, log: &mut Log, sink: &
     for number in log.group() {
         let (record, v_enter, packed) = log.get(number);
         let mut contribution = [[0.0; LANES]; 4];
-        for c in 0..4 {
+        for c in 0..O::CHANNELS {
             contribution[c] = kernels.expand(record.lanes, &packed[c], O::CLEAR[c]);
         }
         let v_enter = kernels.expand(record.lanes, &v_enter, f32::INFINITY);

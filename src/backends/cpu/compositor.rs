@@ -22,6 +22,8 @@ use crate::optics::Optics;
 use crate::profile::Profile;
 use crate::stages::ScreenVertex;
 use crate::stages::project::project_while;
+use crate::stages::sort::KeyMaker;
+use crate::stages::sort::largest::Largest;
 
 /// Composites footprints tile by tile; keeps its memory between frames.
 #[derive(Default)]
@@ -46,6 +48,9 @@ impl TileCompositor {
     /// [`Error::Memory`](crate::Error::Memory) where the frame's budget is too small, [`Error::Cancelled`](crate::Error::Cancelled).
     pub fn draw<O: Optics>(&mut self, frame: &Frame, optics: &O, profile: &mut Profile) -> Result<(Image, Counts)> {
         let threads = rayon::current_num_threads();
+        // Maxima have no order along rays: the largest values first.
+        let keys = if O::IS_MAXIMUM { KeyMaker::Largest(Largest::new(frame.field)) } else { frame.keys };
+        let frame = &Frame { keys, ..*frame };
         if let Some(budget_bytes) = frame.memory_bytes {
             budget::check(frame, budget_bytes, threads)?;
             // As after no frame: what is kept here was not planned for this one.

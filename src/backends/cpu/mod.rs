@@ -5,7 +5,7 @@
 //! `compositor`: `project` → `bins` (per `block` of cells `cull`, `footprints`, `sort` keys; scatter to tiles) → per tile, by a
 //! `worker`: sort, `composite` a `tile` (sixteen cells at a time: `gather` corners, `planes`, rays that meet `tetrahedra`, or `hexahedra`,
 //! `crossed` ones and `polyhedra` with their `hits` and `parts`; fragments to the `log`) into a `sink` (`blend`, which puts late fragments where they belong; `collect`
-//! and sort per pixel; `sum`) → picture.
+//! and sort per pixel; `sum`; `maximum`) → picture.
 //! Where the view stays as it is, the order is `kept`. Under a memory budget the bins are filled in `bands`, within what `budget` leaves, and blocks collected in `portions`.
 //! Cubes of a volume, which come in order, have tiles of their own (`cubes`). Where a mesh of tetrahedra is drawn often, its rays are followed
 //! from cell to cell (`rays`): no sort at all.
@@ -30,6 +30,7 @@ mod hexahedra;
 mod hits;
 mod kept;
 mod log;
+mod maximum;
 mod parts;
 mod planes;
 mod polyhedra;

@@ -51,7 +51,7 @@ struct Event {
 
 /// What the rays of a block have crossed.
 struct Crossings {
-    /// How often they entered and left.
+    /// How often they entered and left; of sums the difference alone.
     entries: [u32; LANES],
     exits: [u32; LANES],
     w_enter: Lanes,
@@ -177,7 +177,10 @@ fn cross<const IS_SUM: bool>(
     }
     let mut found = Crossings::NONE;
     for triangle in &cell.triangles {
-        let [a, b, c] = [0, 1, 2].map(|k| &sides[triangle.edges[k] as usize % sides.len()]);
+        let [a, b, c] = triangle.edges;
+        let [Some(a), Some(b), Some(c)] = [sides.get(a as usize), sides.get(b as usize), sides.get(c as usize)] else {
+            continue;
+        };
         let turned = triangle.is_turned;
         let (mut enters, mut leaves, mut meets) = ([0; LANES], [0; LANES], [0; LANES]);
         for i in 0..LANES {
@@ -200,16 +203,18 @@ fn cross<const IS_SUM: bool>(
             (weights[0][i], weights[1][i], weights[2][i]) = (p * scale, q * scale, r * scale);
             w[i] = weights[0][i] * triangle.w[0] + weights[1][i] * triangle.w[1] + weights[2][i] * triangle.w[2];
         }
+        if IS_SUM {
+            for i in 0..LANES {
+                // A mask is −1. The sign of an entry's depth is turned.
+                found.entries[i] = found.entries[i].wrapping_add(leaves[i]).wrapping_sub(enters[i]);
+                let w = min(max(w[i], near), end[i]);
+                found.length[i] += f32::from_bits((w.to_bits() & meets[i]) ^ (enters[i] & 1 << 31));
+            }
+            continue;
+        }
         for i in 0..LANES {
             found.entries[i] += enters[i] & 1;
             found.exits[i] += leaves[i] & 1;
-        }
-        if IS_SUM {
-            for i in 0..LANES {
-                let w = min(max(w[i], near), end[i]);
-                found.length[i] += select(leaves[i], w, 0.0) - select(enters[i], w, 0.0);
-            }
-            continue;
         }
         for i in 0..LANES {
             found.w_enter[i] = select(enters[i], w[i], found.w_enter[i]);

@@ -76,7 +76,7 @@ impl<O: Optics> Sink<O> for Sum {
     fn accept(&mut self, _: impl Simd, fragments: &Fragments, _: &mut Log) {
         let block = fragments.block;
         let recent = &mut self.recent[block];
-        for c in 0..4 {
+        for c in 0..O::CHANNELS {
             for i in 0..LANES {
                 recent[c][i] += fragments.contribution[c][i];
             }
@@ -84,7 +84,7 @@ impl<O: Optics> Sink<O> for Sum {
         self.fragments[block] += 1;
         if self.fragments[block] == IN_F32 {
             self.fragments[block] = 0;
-            for (total, recent) in self.total[block].iter_mut().zip(recent) {
+            for (total, recent) in self.total[block].iter_mut().zip(recent).take(O::CHANNELS) {
                 for i in 0..LANES {
                     total[i] += f64::from(recent[i]);
                     recent[i] = 0.0;

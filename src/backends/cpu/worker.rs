@@ -13,6 +13,7 @@ use super::collect::Collect;
 use super::composite::Scratch;
 use super::dispatch::Kernels;
 use super::kept::Filter;
+use super::maximum::Maximum;
 use super::portions::{BlockCounts, Portion};
 use super::sum::Sum;
 use super::tile::{PIXELS, TileFrame, place_of};
@@ -21,7 +22,6 @@ use crate::backends::{Counts, Frame};
 use crate::optics::{LANES, Optics};
 use crate::profile::anonymous_bytes;
 use crate::stages::footprints::hexahedra::TRIANGLES;
-use crate::stages::sort::SortKey;
 use crate::stages::sort::radix::{Pair, sort_local};
 
 /// Slack of the order check in inverse depth, relative (perspective) or in scene units (parallel rays): some ulp, where
@@ -75,6 +75,7 @@ pub(super) struct Worker {
     blend: Blend,
     collect: Collect,
     sum: Sum,
+    maximum: Maximum,
     composite: Scratch,
 }
 
@@ -87,6 +88,7 @@ impl Default for Worker {
             blend: Blend::default(),
             collect: Collect::default(),
             sum: Sum::default(),
+            maximum: Maximum::default(),
             composite: Scratch::default(),
         }
     }
@@ -133,7 +135,7 @@ impl Worker {
             Some(cells) if task.is_kept => task.filter.sift(cells, &mut self.order),
             kept => {
                 task.bins.pairs_of(tile, &mut self.order);
-                if task.frame.keys.key() != SortKey::None && !self.order.is_empty() {
+                if !task.frame.keys.are_none() && !self.order.is_empty() {
                     let _span = tracing::trace_span!("sort").entered();
                     sort_local(&mut self.order, &mut self.scratch);
                 }
@@ -155,6 +157,13 @@ impl Worker {
             sum.reset();
             task.kernels.composite(&frame, task.optics, order, composite, sum);
             for (pixel, contribution) in out.iter_mut().zip(sum.contributions()) {
+                *pixel = task.optics.pixel(contribution);
+            }
+        } else if O::IS_MAXIMUM {
+            let Self { order, composite, maximum, .. } = self;
+            maximum.reset();
+            task.kernels.composite(&frame, task.optics, order, composite, maximum);
+            for (pixel, contribution) in out.iter_mut().zip(maximum.contributions()) {
                 *pixel = task.optics.pixel(contribution);
             }
         } else {

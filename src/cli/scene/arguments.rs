@@ -7,21 +7,11 @@ use cellfan::stages::fans::Faces;
 use cellfan::{CpuMethod, Integral, Model, Region, SortMethod};
 use clap::Args;
 
+use super::Device;
 use super::cubes::Cubes;
 use super::planes::Planes;
 use crate::cli::arguments::{Cells, bytes, finite, length, named, one_of, region, size, transmittance, view};
 use crate::cli::meshes::Raw;
-
-/// What draws.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Backend {
-    /// Whatever there is.
-    Auto,
-    /// A graphics card or an accelerator.
-    Gpu,
-    /// The processor.
-    Cpu,
-}
 
 #[derive(Args)]
 #[group(id = "scene")]
@@ -48,8 +38,8 @@ pub(in crate::cli) struct Arguments {
     pub(in crate::cli) model: Model,
     /// Extinctions of wavelength bands: a .csv table of rows `value k1 k2 … kn` over the array, a .json table, or array:NAME,NAME…,
     /// whose values are extinctions. Any number for absorption (.exr: a channel a band, .npy: height, width, bands; .png: the
-    /// first three); three for emission-absorption, red, green, blue in the colours of --transfer, or more, whose light is
-    /// written in the same way. Arrays are white without --transfer [default: extinction times r, g, b, 1].
+    /// first three); three for emission: how much red, green and blue each place emits, a unit of length; three for emission-absorption, red,
+    /// green, blue in the colours of --transfer, or more, whose light is written in the same way. Arrays are white without --transfer [default: extinction times r, g, b, 1].
     #[arg(long, value_name = "BANDS", help_heading = "Picture")]
     pub(super) bands: Option<String>,
     /// What an absorption picture holds: transmitted intensity, or optical depth (not as .png).
@@ -70,15 +60,8 @@ pub(in crate::cli) struct Arguments {
     #[arg(long, value_name = "X0,Y0,X1,Y1", help_heading = "View", value_parser = region, allow_hyphen_values = true)]
     pub(super) region: Option<Region>,
 
-    /// What draws; auto takes a real GPU if there is one and the other options allow it, and the CPU otherwise.
-    #[arg(long, help_heading = "Method", default_value = "auto", value_parser = one_of([("auto", Backend::Auto), ("gpu", Backend::Gpu), ("cpu", Backend::Cpu)]))]
-    pub(super) backend: Backend,
-    /// The first GPU whose name contains this, in any case; a name that none has lists all.
-    #[arg(long, value_name = "NAME", help_heading = "Method")]
-    pub(super) adapter: Option<String>,
-    /// Device memory that a frame flows through on a GPU: 64M, 1Gi [default: 256Mi].
-    #[arg(long, value_name = "BYTES", help_heading = "Method", value_parser = bytes, allow_hyphen_values = true)]
-    pub(super) gpu_memory: Option<u64>,
+    #[command(flatten)]
+    pub(super) device: Device,
     /// How cells are put in order. exact is right for any mesh (of a GPU's picture the CPU draws those tiles again in which cells came
     /// too late); topological is where no cells hide each other in a circle, which it counts; auto takes exact on the CPU, else
     /// topological, and exact where that finds such circles.

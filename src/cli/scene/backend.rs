@@ -2,12 +2,38 @@
 
 #[cfg(feature = "gpu")]
 use cellfan::{
-    CpuMethod, Error,
+    Error,
     backends::gpu::{Gpu, GpuCompositor, adapters},
 };
 use cellfan::{RenderOptions, Rendered, Renderer};
+use clap::Args;
 
-use super::arguments::{Arguments, Backend as Wanted};
+use crate::cli::arguments::{bytes, one_of};
+
+/// What is asked to draw.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Wanted {
+    /// Whatever there is.
+    Auto,
+    /// A graphics card or an accelerator.
+    Gpu,
+    /// The processor.
+    Cpu,
+}
+
+/// What draws, as arguments.
+#[derive(Args)]
+pub(in crate::cli) struct Device {
+    /// What draws; auto takes a real GPU if there is one and the other options allow it, and the CPU otherwise.
+    #[arg(long, help_heading = "Method", default_value = "auto", value_parser = one_of([("auto", Wanted::Auto), ("gpu", Wanted::Gpu), ("cpu", Wanted::Cpu)]))]
+    backend: Wanted,
+    /// The first GPU whose name contains this, in any case; a name that none has lists all.
+    #[arg(long, value_name = "NAME", help_heading = "Method")]
+    adapter: Option<String>,
+    /// Device memory that a frame flows through on a GPU: 64M, 1Gi [default: 256Mi].
+    #[arg(long, value_name = "BYTES", help_heading = "Method", value_parser = bytes, allow_hyphen_values = true)]
+    pub(super) gpu_memory: Option<u64>,
+}
 
 /// What draws.
 pub(in crate::cli) struct Backend {
@@ -26,8 +52,8 @@ impl Backend {
     ///
     /// # Errors
     /// [`cellfan::Error::Option`] where a GPU was asked for.
-    pub(super) fn processor(arguments: &Arguments) -> cellfan::Result<Self> {
-        if arguments.backend == Wanted::Gpu {
+    pub(super) fn processor(device: &Device) -> cellfan::Result<Self> {
+        if device.backend == Wanted::Gpu {
             let problem = "depth planes are drawn on the CPU; use --method cells".to_owned();
             return Err(cellfan::Error::Option { option: "--backend gpu", problem });
         }
@@ -52,21 +78,21 @@ impl Backend {
 
 #[cfg(feature = "gpu")]
 impl Backend {
-    /// Finds a device, before anything is read.
-    pub(super) fn choose(arguments: &Arguments) -> cellfan::Result<Self> {
-        let gpu_memory_bytes = arguments.gpu_memory.unwrap_or(GpuCompositor::MEMORY_BYTES);
-        let may_fall_back = arguments.backend == Wanted::Auto;
+    /// Finds a device, before anything is read; the processor where something `needs_processor`.
+    pub(in crate::cli) fn choose(device: &Device, needs_processor: Option<&'static str>) -> cellfan::Result<Self> {
+        let gpu_memory_bytes = device.gpu_memory.unwrap_or(GpuCompositor::MEMORY_BYTES);
+        let may_fall_back = device.backend == Wanted::Auto;
         let mut note = String::new();
-        let gpu = match arguments.backend {
+        let gpu = match device.backend {
             Wanted::Cpu => None,
             Wanted::Gpu => {
-                if let Some(problem) = needs_processor(arguments) {
+                if let Some(problem) = needs_processor {
                     let problem = format!("{problem}; leave one of both out");
                     return Err(Error::Option { option: "--backend gpu", problem });
                 }
-                Some(Gpu::open(arguments.adapter.as_deref())?)
+                Some(Gpu::open(device.adapter.as_deref())?)
             }
-            Wanted::Auto => match find_gpu(arguments) {
+            Wanted::Auto => match find_gpu(device, needs_processor) {
                 Ok(gpu) => Some(gpu),
                 Err(reason) => {
                     note = format!("drawn on the CPU: {reason}");
@@ -82,7 +108,7 @@ impl Backend {
         Ok(Self { gpu, gpu_memory_bytes, may_fall_back, note })
     }
 
-    pub(super) fn renderer(&self, options: RenderOptions) -> Renderer {
+    pub(in crate::cli) fn renderer(&self, options: RenderOptions) -> Renderer {
         match &self.gpu {
             Some(gpu) => Renderer::on_gpu(options, gpu.clone(), self.gpu_memory_bytes),
             None => Renderer::new(options),
@@ -90,18 +116,18 @@ impl Backend {
     }
 
     /// Draws a frame; on the processor from then on where the GPU fails and may.
-    pub(super) fn render(
+    pub(in crate::cli) fn render<R: From<Renderer>>(
         &mut self,
-        renderer: &mut Renderer,
+        renderer: &mut R,
         options: RenderOptions,
-        mut draw: impl FnMut(&mut Renderer) -> cellfan::Result<Rendered>,
+        mut draw: impl FnMut(&mut R) -> cellfan::Result<Rendered>,
     ) -> cellfan::Result<Rendered> {
         match draw(renderer) {
             Err(error) if self.may_fall_back && self.gpu.is_some() && is_of_the_gpu(&error) => {
                 tracing::warn!("{error}; drawing on the CPU instead");
                 self.note.clear();
                 self.gpu = None;
-                *renderer = Renderer::new(options);
+                *renderer = Renderer::new(options).into();
                 draw(renderer)
             }
             result => result,
@@ -123,25 +149,16 @@ fn is_of_the_gpu(error: &Error) -> bool {
     error.is_device() || matches!(error, Error::Option { option: "--size" | "--gpu-memory" | "--backend gpu", .. })
 }
 
-/// What only the processor can do.
-#[cfg(feature = "gpu")]
-fn needs_processor(arguments: &Arguments) -> Option<&'static str> {
-    if arguments.memory.is_some() {
-        return Some("--memory is kept on the CPU only (a GPU has --gpu-memory)");
-    }
-    (arguments.cpu_method == Some(CpuMethod::Fans)).then_some("--cpu-method fans is the CPU's")
-}
-
 /// A real GPU, or why there is none.
 #[cfg(feature = "gpu")]
-fn find_gpu(arguments: &Arguments) -> Result<Gpu, String> {
-    if let Some(reason) = needs_processor(arguments) {
+fn find_gpu(device: &Device, needs_processor: Option<&'static str>) -> Result<Gpu, String> {
+    if let Some(reason) = needs_processor {
         return Err(reason.to_owned());
     }
     let found = adapters();
-    let gpu = found.iter().find(|adapter| adapter.is_gpu || arguments.adapter.is_some());
+    let gpu = found.iter().find(|adapter| adapter.is_gpu || device.adapter.is_some());
     match (gpu, found.first()) {
-        (Some(_), _) => Gpu::open(arguments.adapter.as_deref()).map_err(|error| error.to_string()),
+        (Some(_), _) => Gpu::open(device.adapter.as_deref()).map_err(|error| error.to_string()),
         (None, Some(first)) => Err(format!("{first} is no real GPU (--backend gpu draws on it)")),
         (None, None) => Err("no driver for a GPU was found".to_owned()),
     }
@@ -151,23 +168,23 @@ fn find_gpu(arguments: &Arguments) -> Result<Gpu, String> {
 #[expect(clippy::unused_self, reason = "the same methods as with GPUs")]
 impl Backend {
     /// The processor: this program was built without GPUs.
-    pub(super) fn choose(arguments: &Arguments) -> cellfan::Result<Self> {
-        if arguments.backend == Wanted::Gpu {
+    pub(in crate::cli) fn choose(device: &Device, _: Option<&'static str>) -> cellfan::Result<Self> {
+        if device.backend == Wanted::Gpu {
             let problem = "this program was built without GPUs; build it with --features gpu, or say --backend cpu";
             return Err(cellfan::Error::NoDevice { problem: problem.to_owned() });
         }
         Ok(Self { note: String::new() })
     }
 
-    pub(super) fn renderer(&self, options: RenderOptions) -> Renderer {
+    pub(in crate::cli) fn renderer(&self, options: RenderOptions) -> Renderer {
         Renderer::new(options)
     }
 
-    pub(super) fn render(
+    pub(in crate::cli) fn render<R>(
         &mut self,
-        renderer: &mut Renderer,
+        renderer: &mut R,
         _: RenderOptions,
-        mut draw: impl FnMut(&mut Renderer) -> cellfan::Result<Rendered>,
+        mut draw: impl FnMut(&mut R) -> cellfan::Result<Rendered>,
     ) -> cellfan::Result<Rendered> {
         draw(renderer)
     }

@@ -33,10 +33,10 @@ impl BandSource {
     pub(super) fn load(arguments: &Arguments) -> Result<Self> {
         let Some(text) = arguments.bands.as_deref() else { return Ok(Self::None) };
         let refuse = |problem: String| Err(Error::Option { option: "--bands", problem });
-        if !matches!(arguments.model, Model::Absorption | Model::EmissionAbsorption) {
-            return refuse(format!("{} has no bands; choose absorption or emission-absorption", arguments.model));
+        if arguments.model == Model::Mip {
+            return refuse("mip has no bands; choose absorption, emission or emission-absorption".to_owned());
         }
-        if arguments.model == Model::Absorption && arguments.transfer.is_some() {
+        if arguments.model != Model::EmissionAbsorption && arguments.transfer.is_some() {
             tracing::warn!("bands have extinctions of their own: --transfer is ignored");
         }
         if let Some(names) = text.strip_prefix(ARRAYS) {

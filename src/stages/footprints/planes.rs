@@ -231,6 +231,12 @@ impl<const N: usize> Default for Corners<N> {
 }
 
 impl<const N: usize> Corners<N> {
+    /// The values at the corners of the cell in `lane`.
+    #[inline(always)]
+    pub fn scalars(&self, lane: usize) -> [f32; 4] {
+        [self.s[0][lane], self.s[1][lane], self.s[2][lane], self.s[3][lane]]
+    }
+
     /// Puts cell `tet` in lane `lane`.
     #[inline(always)]
     pub fn set(&mut self, lane: usize, tet: [u32; 4], vertices: &[SceneVertex], is_positive: bool) {

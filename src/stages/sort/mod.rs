@@ -1,7 +1,8 @@
 //! `sort`: the order in which cells are composited, nearest first.
 //!
 //! In: a block's visible cells and the view. Out: one `u32` key per cell, smaller is nearer: a depth (`centroid`, `power`), or the
-//! cell's layer in an order of the whole mesh (`topological`, made once a frame from its `adjacency`); where a backend wants one
+//! cell's layer in an order of the whole mesh (`topological`, made once a frame from its `adjacency`); for maxima, which have no order along
+//! rays, the largest value comes first ([`largest`]); where a backend wants one
 //! global order, `projected_from_drawn` by [`radix`]; [`check`] counts what an order got wrong, [`overlaps`] where none can be right.
 //! To add a key: a file with a function from a cell's corners to a depth, and its line in [`SortMethod`], [`SortKey`] and [`KeyMaker`].
 
@@ -10,6 +11,7 @@ pub mod centroid;
 pub mod check;
 pub mod delaunay;
 mod faces;
+pub mod largest;
 mod neighbours;
 pub mod overlaps;
 pub mod power;
@@ -25,6 +27,7 @@ use glam::{DVec3, Vec3};
 use crate::columns::{BlockCells, BlockView};
 use crate::error::{Error, Result};
 use crate::optics::LANES;
+use crate::optics::lanes::max;
 use crate::stages::footprints::planes::Corners;
 use crate::stages::{SceneVertex, View};
 
@@ -118,6 +121,8 @@ pub enum KeyMaker<'a> {
     Power(power::Power),
     /// The layer of each cell of the dataset; see [`topological`].
     Layers(&'a [u32]),
+    /// No order along rays, but one by values: see [`largest`].
+    Largest(largest::Largest<'a>),
 }
 
 impl<'a> KeyMaker<'a> {
@@ -131,14 +136,25 @@ impl<'a> KeyMaker<'a> {
         }
     }
 
-    /// What they order by.
+    /// What they order rays by.
     pub fn key(&self) -> SortKey {
         match self {
-            Self::None => SortKey::None,
+            Self::None | Self::Largest(_) => SortKey::None,
             Self::Centroid(_) => SortKey::Centroid,
             Self::Power(_) => SortKey::Power,
             Self::Layers(_) => SortKey::Topological,
         }
+    }
+
+    /// Whether all keys are the same.
+    pub fn are_none(&self) -> bool {
+        matches!(self, Self::None)
+    }
+
+    /// A value that cells of this key, or of a greater one, do not exceed.
+    #[inline]
+    pub fn at_most(&self, key: u32) -> f32 {
+        if let Self::Largest(largest) = self { largest.at_most(key) } else { f32::INFINITY }
     }
 
     /// The keys of the sixteen tetrahedra of `corners`; what they order by must be a depth.
@@ -155,6 +171,12 @@ impl<'a> KeyMaker<'a> {
             Self::Power(power) => {
                 for (i, key) in key.iter_mut().enumerate() {
                     *key = key_of_depth(power.depth(corners.positions(i)) as f32);
+                }
+            }
+            Self::Largest(largest) => {
+                for (i, key) in key.iter_mut().enumerate() {
+                    let [a, b, c, d] = corners.scalars(i);
+                    *key = largest.key(max(max(a, b), max(c, d)));
                 }
             }
         }
@@ -205,6 +227,17 @@ impl<'a> KeyMaker<'a> {
             }
             (Self::Layers(layer_from_cell), _) => {
                 key_from_visible.extend(cells.map(|&cell| layer_from_cell[block.base + cell as usize]));
+            }
+            (Self::Largest(largest), kind) => {
+                let of =
+                    |corners: &[u32]| corners.iter().map(|&v| vertices[v as usize].scalar).fold(f32::NEG_INFINITY, max);
+                let s_max = |cell: usize| match (largest.cell_values(), kind) {
+                    (Some(values), _) => values[block.base + cell],
+                    (None, BlockCells::Tets(tets)) => of(&tets.get(cell)),
+                    (None, BlockCells::Hexahedra(hexahedra)) => of(&hexahedra.get(cell)),
+                    (None, BlockCells::Polyhedra(polyhedra)) => of(polyhedra.corners(cell)),
+                };
+                key_from_visible.extend(cells.map(|&cell| largest.key(s_max(cell as usize))));
             }
         }
     }
