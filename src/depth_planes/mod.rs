@@ -31,5 +31,7 @@ mod tests;
 
 pub use blocks::ValueBlocks;
 pub use draw::{Medium, draw};
-pub use options::{Classification, Filter, Light, Lighting, Options, Samples};
+pub use options::{Classification, Filter, Options, Samples};
 pub use planes::Planes;
+
+pub use crate::optics::lighting::{Light, Lighting};

@@ -129,6 +129,9 @@ fn needs_processor(arguments: &Arguments) -> Option<&'static str> {
     if arguments.memory.is_some() {
         return Some("--memory is kept on the CPU only (a GPU has --gpu-memory)");
     }
+    if let Some(problem) = arguments.planes.needs_processor() {
+        return Some(problem);
+    }
     (arguments.cpu_method == CpuMethod::Fans).then_some("--cpu-method fans is the CPU's")
 }
 
