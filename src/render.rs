@@ -41,9 +41,9 @@ use crate::control::Control;
 use crate::error::{Error, Result};
 use crate::image::{BandImage, DepthImage, Image};
 use crate::memory;
-use crate::optics::lighting::Lighting;
 #[cfg(feature = "gpu")]
 use crate::optics::Shading;
+use crate::optics::lighting::Lighting;
 use crate::optics::{
     Absorption, Averaged, BandDepths, BandLight, CullTable, Emission, EmissionAbsorption, Integral, Mip, Model,
     NormalisedLengths, Optics, Output, Textured,

@@ -128,7 +128,8 @@ impl<'a> Request<'a> {
         if self.arguments.planes.are_chosen() || self.cubes.is_some() {
             return self.read_volume();
         }
-        let Self { meshes, arguments, options, backend, transfer, bands, view, lighting, triangles, external, .. } = self;
+        let Self { meshes, arguments, options, backend, transfer, bands, view, lighting, triangles, external, .. } =
+            self;
         let meshes = &arguments.at_time(meshes)?;
         let label = meshes::label(meshes);
         if arguments.memory.is_some() {
@@ -178,8 +179,20 @@ impl<'a> Request<'a> {
 
     /// Reads a volume to be drawn on depth planes or as cubes.
     fn read_volume(self) -> cellfan::Result<Setup> {
-        let Self { meshes, arguments, options, backend, transfer, view, planes, cubes, lighting, triangles, external, .. } =
-            self;
+        let Self {
+            meshes,
+            arguments,
+            options,
+            backend,
+            transfer,
+            view,
+            planes,
+            cubes,
+            lighting,
+            triangles,
+            external,
+            ..
+        } = self;
         let mut before = Profile::default();
         let (volume, stored) = volume::read(meshes, arguments, &mut before)?;
         let start = Instant::now();

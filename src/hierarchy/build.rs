@@ -78,10 +78,8 @@ impl Hierarchy {
 
     /// How many nodes the levels above `dims` smallest boxes have along i, j and k.
     pub fn sides_above(dims: [u32; 3]) -> impl Iterator<Item = [u32; 3]> {
-        std::iter::successors(Some(dims), |below| {
-            (*below != [1; 3]).then(|| below.map(|side| side.div_ceil(2)))
-        })
-        .skip(1)
+        std::iter::successors(Some(dims), |below| (*below != [1; 3]).then(|| below.map(|side| side.div_ceil(2))))
+            .skip(1)
     }
 
     /// Smallest boxes along i, j and k.

@@ -33,11 +33,8 @@ pub(super) fn error_of<T: Sample>(
         let sample: [u32; 3] = std::array::from_fn(|axis| [first, middle, end][at[axis]][axis]);
         let share = |axis: usize| (sample[axis] - first[axis]) as f32 / (end[axis] - first[axis]) as f32;
         // What the corners are is exact; what rounding does elsewhere is no error of the samples.
-        *off = if at.contains(&1) {
-            (leaves.value(sample) - between(&corners, [0, 1, 2].map(share))).abs()
-        } else {
-            0.0
-        };
+        *off =
+            if at.contains(&1) { (leaves.value(sample) - between(&corners, [0, 1, 2].map(share))).abs() } else { 0.0 };
     }
     let mut largest = 0.0_f32;
     for (octant, child) in children {

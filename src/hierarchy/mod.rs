@@ -21,9 +21,9 @@ pub use budget::{CubeCounts, TimeBudget};
 pub use build::Hierarchy;
 pub use corners::SelectedCorners;
 pub use level::{Interpolation, Level, Node};
-pub use slopes::Slopes;
 pub use picture::{WithinPicture, longest_chord_world};
 pub use select::{Accept, Selection, Shows, WithinError};
+pub use slopes::Slopes;
 
 #[cfg(test)]
 mod tests;

@@ -260,7 +260,10 @@ impl Renderer {
             return refuse("--filter", problem);
         }
         if matches!(detail, Detail::PictureError(_)) {
-            return refuse("--error-image", "bounds cubes of one value; leave --filter out, or use --error or --budget-ms");
+            return refuse(
+                "--error-image",
+                "bounds cubes of one value; leave --filter out, or use --error or --budget-ms",
+            );
         }
         Ok(())
     }

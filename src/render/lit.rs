@@ -30,7 +30,10 @@ impl Renderer {
         let refuse = |option, problem: &str| Err(Error::Option { option, problem: problem.to_owned() });
         #[cfg(feature = "gpu")]
         if self.gpu.is_some() {
-            return refuse("--backend gpu", "light is reflected on the CPU only; say --backend cpu, or leave --shade out");
+            return refuse(
+                "--backend gpu",
+                "light is reflected on the CPU only; say --backend cpu, or leave --shade out",
+            );
         }
         if self.options.cpu_method == CpuMethod::Fans {
             return refuse("--cpu-method", "fans are not lit; use footprints, or leave --shade out");
@@ -54,13 +57,20 @@ impl Renderer {
             let grid_from_scene: DMat3 = cubes.scene_from_grid().inverse().matrix3;
             let strength = lighting.has_strength.then(|| per_range(grid_from_scene.determinant().abs().recip().cbrt()));
             // The transpose: a gradient is a covector.
-            let surfaces =
-                CubeSurfaces { frame, cubes: *cubes, lamps, strength, scene_from_steps: grid_from_scene.transpose().as_mat3() };
+            let surfaces = CubeSurfaces {
+                frame,
+                cubes: *cubes,
+                lamps,
+                strength,
+                scene_from_steps: grid_from_scene.transpose().as_mat3(),
+            };
             return self.draw_with(frame, &Lit { optics, surfaces: &surfaces }, profile);
         }
         let refuse = |problem: &str| Err(Error::Option { option: "--shade", problem: problem.to_owned() });
         if frame.cell_values().is_some() {
-            return refuse("values of cells have no gradient in them; use values of points, or --method cubes on a regular grid");
+            return refuse(
+                "values of cells have no gradient in them; use values of points, or --method cubes on a regular grid",
+            );
         }
         if !frame.dataset.polyhedra.is_empty() {
             return refuse("prisms and polyhedra are not lit; say --cells tetrahedra, or leave shading out");

@@ -33,6 +33,8 @@ mod gpu_region;
 mod gpus;
 mod hexahedra;
 mod hostile;
+mod linear_cubes;
+mod lit;
 mod meshes;
 mod monoid;
 mod opaque;

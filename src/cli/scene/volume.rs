@@ -26,7 +26,11 @@ pub(super) struct Chosen {
 }
 
 /// Reads the one volume that `paths` are; with its octrees where it is a container.
-pub(super) fn read(paths: &[PathBuf], arguments: &Arguments, profile: &mut Profile) -> Result<(Volume, Option<StoredVolume>)> {
+pub(super) fn read(
+    paths: &[PathBuf],
+    arguments: &Arguments,
+    profile: &mut Profile,
+) -> Result<(Volume, Option<StoredVolume>)> {
     let _progress = meshes::reading(paths);
     let start = Instant::now();
     let scratch = if arguments.no_mmap { Scratch::unmapped() } else { Scratch::memory() };

@@ -129,7 +129,8 @@ impl LatticeEntry {
             let hierarchy = Hierarchy::new(&field)?;
             let mut levels = Vec::with_capacity(hierarchy.levels().len());
             for level in hierarchy.levels() {
-                let [mean, min, max] = level.columns().each_ref().map(|column| sink.whole(bytemuck::cast_slice(column)));
+                let [mean, min, max] =
+                    level.columns().each_ref().map(|column| sink.whole(bytemuck::cast_slice(column)));
                 levels.push([mean?, min?, max?]);
             }
             octrees.push(OctreeEntry { array: place as u64, offset: hierarchy.offset(), levels });
@@ -152,7 +153,8 @@ impl LatticeEntry {
     pub(super) fn spans(&self, directory: &Directory) -> std::result::Result<Vec<ColumnSpan>, (String, String)> {
         let wrong = |problem: &str| Err(("lattice".to_owned(), problem.to_owned()));
         let product = |sides: [u64; 3]| sides.iter().try_fold(1_u64, |all, &side| all.checked_mul(side));
-        let is_block = directory.hexahedra.as_ref().is_some_and(|entry| entry.blocks.is_some_and(|blocks| blocks.bytes == 20));
+        let is_block =
+            directory.hexahedra.as_ref().is_some_and(|entry| entry.blocks.is_some_and(|blocks| blocks.bytes == 20));
         if !is_block || self.dims.contains(&0) || product(self.dims) != Some(directory.vertices) {
             return wrong("it is for one structured block, of as many points");
         }
@@ -219,7 +221,8 @@ pub fn open_volume(path: &Path, use_map: bool) -> Result<Option<StoredVolume>> {
 pub(super) fn problem_of(path: &Path, use_map: bool, dataset: &crate::Dataset) -> Result<Option<(String, String)>> {
     let Some(StoredVolume { volume, octrees }) = open_volume(path, use_map)? else { return Ok(None) };
     let [ni, nj, _] = volume.dims;
-    let size = dataset.diagonal_world().max(volume.corners_world().iter().map(|corner| corner.length()).fold(0.0, f64::max));
+    let size =
+        dataset.diagonal_world().max(volume.corners_world().iter().map(|corner| corner.length()).fold(0.0, f64::max));
     for (vertex, position) in dataset.positions.iter().enumerate() {
         let point = [vertex % ni, vertex / ni % nj, vertex / (ni * nj)].map(|along| along as f64);
         let stored = dataset.origin + glam::Vec3::from(*position).as_dvec3();
@@ -231,13 +234,17 @@ pub(super) fn problem_of(path: &Path, use_map: bool, dataset: &crate::Dataset) -
     for (number, octree) in octrees.iter().enumerate() {
         let array = &volume.arrays[octree.array];
         let wrong = |problem: String| Ok(Some((format!("octree {number}"), problem)));
-        let Ok(field) = volume.field(&selection_of(array)) else { return wrong("no value of its array is finite".to_owned()) };
+        let Ok(field) = volume.field(&selection_of(array)) else {
+            return wrong("no value of its array is finite".to_owned());
+        };
         let expected = Hierarchy::new(&field)?;
         if expected.offset().to_bits() != octree.offset.to_bits() {
             return wrong("its offset is not that of its array".to_owned());
         }
         for (i, (stored, expected)) in octree.levels.iter().zip(expected.levels()).enumerate() {
-            let bits = |level: &Level| level.columns().iter().flat_map(|column| column.iter().map(|x| x.to_bits())).collect::<Vec<_>>();
+            let bits = |level: &Level| {
+                level.columns().iter().flat_map(|column| column.iter().map(|x| x.to_bits())).collect::<Vec<_>>()
+            };
             let (stored, expected) = (bits(stored), bits(expected));
             if let Some(at) = stored.iter().zip(&expected).position(|(stored, expected)| stored != expected) {
                 let node = at % (stored.len() / 3);

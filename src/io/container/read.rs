@@ -11,8 +11,8 @@ use glam::{DVec3, Vec3};
 use super::directory::{Directory, MAGIC, Span};
 use crate::cells::{CellKind, HEXAHEDRON, PYRAMID, TETRAHEDRON, WEDGE};
 use crate::columns::{
-    Array, ArrayRanges, Association, BitColumn, Block, Bounds, Column, Dataset, Hexahedra, Neighbours, NumericColumn, Polyhedra,
-    SharedBytes, Tets, ValueRanges,
+    Array, ArrayRanges, Association, BitColumn, Block, Bounds, Column, Dataset, Hexahedra, Neighbours, NumericColumn,
+    Polyhedra, SharedBytes, Tets, ValueRanges,
 };
 use crate::error::{Error, Result, presentable, without_controls};
 use crate::io::mapping::bytes_of;
@@ -61,8 +61,10 @@ pub fn open(path: &Path, use_map: bool) -> Result<Dataset> {
     )
     .map_err(|error| columns.malformed("column tetrahedra", error.to_string()))?;
     let of_listed = directory.hexahedra.as_ref().and_then(|entry| entry.adjacency);
-    let hexahedra =
-        directory.hexahedra.as_ref().map_or_else(|| Ok(Hexahedra::none()), |entry| entry.column(&columns.bytes, vertices));
+    let hexahedra = directory
+        .hexahedra
+        .as_ref()
+        .map_or_else(|| Ok(Hexahedra::none()), |entry| entry.column(&columns.bytes, vertices));
     let hexahedra = hexahedra.map_err(|error| columns.malformed("hexahedra", error.to_string()))?;
 
     let neighbours = |from_tet: Span| {

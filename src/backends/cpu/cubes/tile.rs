@@ -81,7 +81,8 @@ pub(in crate::backends::cpu) struct CubeTile {
 impl Default for CubeTile {
     fn default() -> Self {
         let nothing = [0.0; LANES];
-        let rays = BlockRays { origin: [nothing; 3], step: [nothing; 3], depth_per_step: [nothing; 3], length_world: nothing };
+        let rays =
+            BlockRays { origin: [nothing; 3], step: [nothing; 3], depth_per_step: [nothing; 3], length_world: nothing };
         Self {
             rays: vec![rays; BLOCKS],
             sums: Box::new([[nothing; 4]; BLOCKS]),
