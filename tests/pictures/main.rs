@@ -43,6 +43,7 @@ mod parity;
 mod polyhedra;
 mod polyhedron;
 mod real;
+mod real_volumes;
 mod reference;
 mod region;
 mod session;
