@@ -178,6 +178,15 @@ impl<S: Source> Trilinear<'_, S> {
                 let rows = (first[2][l] as u32).wrapping_mul(rows_a_layer).wrapping_add(first[1][l] as u32);
                 start[l] = rows.wrapping_mul(row).wrapping_add(first[0][l] as u32);
             }
+            if let Some(words) = source.gathered(self.dispatch, &start, offsets) {
+                for pair in 0..4 {
+                    for l in 0..LANES {
+                        out.values[2 * pair][l] = (words[pair][l] & 0xff) as f32;
+                        out.values[2 * pair + 1][l] = (words[pair][l] >> 8 & 0xff) as f32;
+                    }
+                }
+                return;
+            }
             for l in 0..LANES {
                 fetch(l, start[l] as usize);
             }

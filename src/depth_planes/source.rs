@@ -3,7 +3,10 @@
 //! Scalars of types that f32 holds are read as they are. Components, magnitudes and wide types are converted value by value, less an offset
 //! where they vary little around a large value.
 
+use super::dispatch::Dispatch;
+use super::gather;
 use crate::columns::{Sample, SampleVisitor, Samples, VolumeField};
+use crate::optics::lanes::LANES;
 
 /// Scalars by their number.
 pub(super) trait Source: Copy + Sync {
@@ -20,6 +23,12 @@ pub(super) trait Source: Copy + Sync {
 
     /// Both of a pair.
     fn halves(pair: Self::Pair) -> [f32; 2];
+
+    /// The same pairs at sixteen places, where the processor has an instruction for that.
+    #[inline(always)]
+    fn gathered(&self, _: Dispatch, _: &[u32; LANES], _: [usize; 4]) -> Option<[[u32; LANES]; 4]> {
+        None
+    }
 }
 
 /// Bytes as the file has them: a pair of them is one word, whose halves are told apart in vectors.
@@ -43,7 +52,12 @@ impl Source for Bytes<'_> {
 
     #[inline(always)]
     fn halves(pair: u16) -> [f32; 2] {
-        [(pair & 0xff) as f32, (pair >> 8) as f32]
+        [f32::from(pair & 0xff), f32::from(pair >> 8)]
+    }
+
+    #[inline(always)]
+    fn gathered(&self, dispatch: Dispatch, start: &[u32; LANES], offsets: [usize; 4]) -> Option<[[u32; LANES]; 4]> {
+        gather::pairs(dispatch, self.0, start, offsets)
     }
 }
 
