@@ -10,6 +10,7 @@ mod depth_planes;
 mod fog;
 #[cfg(feature = "gpu")]
 mod gpu;
+mod lit;
 mod opaque;
 mod options;
 mod order;
@@ -43,6 +44,7 @@ use crate::image::{BandImage, DepthImage, Image};
 use crate::memory;
 #[cfg(feature = "gpu")]
 use crate::optics::Shading;
+use crate::optics::lighting::Lighting;
 use crate::optics::{
     Absorption, Averaged, BandDepths, BandLight, CullTable, Emission, EmissionAbsorption, Integral, Mip, Model,
     NormalisedLengths, Optics, Output, Textured,
@@ -128,6 +130,8 @@ pub struct Renderer {
     gpu: Option<GpuCompositor>,
     /// Pictures of so many bytes were found to fit into memory.
     checked_bytes: u64,
+    /// The light that cells reflect.
+    lighting: Option<Lighting>,
 }
 
 /// A picture, all its bands if it has bands of their own, and what was counted.
@@ -187,6 +191,7 @@ impl Renderer {
         draw: impl FnOnce(&mut Self, &Frame, &mut Profile) -> Result<Drawn>,
     ) -> Result<Rendered> {
         self.check_options()?;
+        self.check_lighting()?;
         self.check_bands(scene)?;
         self.options.geometry.check()?;
         self.check_cells(scene)?;
@@ -371,7 +376,7 @@ impl Renderer {
             (Model::Emission, _) => self.draw_with(frame, &Emission { pieces }, profile),
             (Model::EmissionAbsorption, Integral::Exact | Integral::Pcp) => match frame.bands {
                 Some(pieces) => self.draw_with(frame, &BandLight { pieces }, profile),
-                None => self.draw_with(frame, &EmissionAbsorption { pieces }, profile),
+                None => self.draw_light(frame, EmissionAbsorption { pieces }, profile),
             },
             (Model::EmissionAbsorption, Integral::Average) => self.draw_with(frame, &Averaged { pieces }, profile),
             (Model::EmissionAbsorption, Integral::Texture) => {

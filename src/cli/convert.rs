@@ -7,7 +7,7 @@ use std::time::Instant;
 use cellfan::Error;
 use cellfan::columns::CellSource;
 use cellfan::io::container::{self, Phase, WriteOptions, Written};
-use cellfan::io::{Scratch, WholeCells, check_target};
+use cellfan::io::{Mesh, Scratch, WholeCells, check_target};
 use clap::Args;
 
 use super::arguments::{Cells, bytes as memory, one_of};
@@ -31,8 +31,8 @@ pub(super) struct Arguments {
     /// [default: 1Gi].
     #[arg(long, value_name = "BYTES", value_parser = memory, allow_hyphen_values = true)]
     memory: Option<u64>,
-    /// Keep hexahedra, wedges, pyramids and voxels whole, structured blocks without a list of corners; or cut all into
-    /// tetrahedra.
+    /// Keep hexahedra, wedges, pyramids and voxels whole, structured blocks without a list of corners, regular grids with the octrees
+    /// of their arrays; or cut all into tetrahedra.
     #[arg(long, value_name = "CELLS", default_value = "whole", value_parser = one_of(Cells::NAMED))]
     cells: Cells,
     /// Also write which cells share a face, which an order by neighbours then need not find: 16 bytes a tetrahedron, 24 a
@@ -76,6 +76,13 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         write(&tets, output, &options).map_err(in_file)?;
         return Ok(());
     }
+    let mesh = match mesh {
+        Mesh::Volume(volume) => {
+            told(output, |tell| container::write_volume(volume, output, tell)).map_err(in_file)?;
+            return Ok(());
+        }
+        mesh => mesh,
+    };
     match mesh.into_whole_in(&scratch).map_err(in_file)? {
         WholeCells::Listed(cells) => write(&cells, output, &options).map_err(in_file)?,
         WholeCells::Structured(cells) => {
@@ -104,7 +111,7 @@ pub(super) fn write(source: &dyn CellSource, output: &Path, options: &WriteOptio
 }
 
 /// Has a container written with a bar for each phase, and says what was written.
-fn told(
+pub(super) fn told(
     output: &Path,
     write: impl FnOnce(&(dyn Fn(Phase, u64, u64) + Sync)) -> cellfan::Result<Written>,
 ) -> cellfan::Result<Written> {
@@ -143,5 +150,6 @@ fn name(phase: Phase) -> &'static str {
         Phase::Vertices => "writing vertices",
         Phase::Neighbours => "finding neighbours",
         Phase::Ranges => "finding ranges",
+        Phase::Octrees => "building octrees",
     }
 }

@@ -24,8 +24,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
+use cellfan::hierarchy::Interpolation;
 use cellfan::image::DepthImage;
 use cellfan::io::{Scratch, container};
+use cellfan::optics::lighting::Lighting;
 use cellfan::profile::{MeshRecord, Profile};
 use cellfan::render::Detail;
 use cellfan::{
@@ -65,6 +67,8 @@ pub(super) struct Request<'a> {
     planes: depth_planes::Options,
     /// How fine cubes are, where they draw.
     cubes: Option<Detail>,
+    /// The light that cells and cubes reflect.
+    lighting: Option<Lighting>,
 }
 
 /// What is drawn, by what.
@@ -107,6 +111,7 @@ impl<'a> Request<'a> {
             arguments,
             options: RenderOptions { geometry: geometry.options(), depth, ..options(arguments)? },
             planes: arguments.planes.options(arguments)?,
+            lighting: arguments.planes.lighting_of_cells(arguments)?,
             cubes: arguments.cubes.detail(arguments, &geometry.options(), has_others)?,
             backend: if arguments.planes.are_chosen() {
                 Backend::processor(&arguments.device)?
@@ -126,7 +131,20 @@ impl<'a> Request<'a> {
         if self.arguments.planes.are_chosen() || self.cubes.is_some() {
             return self.read_volume();
         }
-        let Self { meshes, frames, arguments, options, backend, transfer, bands, view, triangles, external, .. } = self;
+        let Self {
+            meshes,
+            frames,
+            arguments,
+            options,
+            backend,
+            transfer,
+            bands,
+            view,
+            lighting,
+            triangles,
+            external,
+            ..
+        } = self;
         let meshes = &arguments.at_time(meshes)?;
         let label = meshes::label(meshes);
         if arguments.memory.is_some() {
@@ -171,15 +189,30 @@ impl<'a> Request<'a> {
         let memory = Memory::new(arguments.memory, &scene);
         let cpu_method = cpu_method(arguments, scene.dataset().cells(), frames, [camera.width, camera.height]);
         let options = RenderOptions { memory_bytes: memory.of_frame()?, cpu_method, ..options };
-        let drawer = Drawer::Cells { scene: Box::new(scene), renderer: Box::new(backend.renderer(options)), memory };
+        let mut renderer = Box::new(backend.renderer(options));
+        renderer.set_lighting(lighting);
+        let drawer = Drawer::Cells { scene: Box::new(scene), renderer, memory };
         Ok(Setup { camera, options, backend, summary, before, transfer_note, drawer })
     }
 
     /// Reads a volume to be drawn on depth planes or as cubes.
     fn read_volume(self) -> cellfan::Result<Setup> {
-        let Self { meshes, arguments, options, backend, transfer, view, planes, cubes, triangles, external, .. } = self;
+        let Self {
+            meshes,
+            arguments,
+            options,
+            backend,
+            transfer,
+            view,
+            planes,
+            cubes,
+            lighting,
+            triangles,
+            external,
+            ..
+        } = self;
         let mut before = Profile::default();
-        let volume = volume::read(meshes, arguments, &mut before)?;
+        let (volume, stored) = volume::read(meshes, arguments, &mut before)?;
         let start = Instant::now();
         let label = meshes::label(meshes);
         let chosen = volume::choose(volume, arguments, &transfer, view, options.model, &label)?;
@@ -195,10 +228,15 @@ impl<'a> Request<'a> {
             Some(detail) => {
                 let size = [scene.volume().cells(), scene.volume().points()];
                 let start = Instant::now();
-                let scene = scene.into_cubes().map_err(|error| error.in_file(&label))?;
+                let interpolation = arguments.planes.interpolation()?;
+                let stored = stored.filter(|_| interpolation == Interpolation::Constant);
+                let stored = stored.map(|stored| stored.hierarchy(scene.field())).transpose()?.flatten();
+                let scene = scene.into_cubes(interpolation, stored).map_err(|error| error.in_file(&label))?;
                 before.add("hierarchy", start.elapsed(), scene.hierarchy().nodes() * 12);
                 before.sample_memory();
-                Drawer::Cubes(Box::new(CubesDrawer { scene, renderer: backend.renderer(options), detail, size }))
+                let mut renderer = backend.renderer(options);
+                renderer.set_lighting(lighting);
+                Drawer::Cubes(Box::new(CubesDrawer { scene, renderer, detail, size }))
             }
         };
         Ok(Setup { camera, options, backend, summary, before, transfer_note, drawer })
@@ -210,6 +248,9 @@ impl Arguments {
     fn needs_processor(&self) -> Option<&'static str> {
         if self.memory.is_some() {
             return Some("--memory is kept on the CPU only (a GPU has --gpu-memory)");
+        }
+        if let Some(problem) = self.planes.needs_processor() {
+            return Some(problem);
         }
         (self.cpu_method == Some(CpuMethod::Fans)).then_some("--cpu-method fans is the CPU's")
     }
@@ -362,15 +403,16 @@ fn read(paths: &[PathBuf], arguments: &Arguments, is_whole: bool, profile: &mut 
     dataset
 }
 
-/// What composites on the CPU where nothing is said: rays where there are more cells than pixels, and frames enough that it pays to find what
+/// What composites on the CPU where nothing is said: rays where order counts, there are more cells than pixels, and frames enough that it pays to find what
 /// lies across each face, which takes as long as one or two of them.
 fn cpu_method(arguments: &Arguments, cells: usize, frames: u32, [width, height]: [u32; 2]) -> CpuMethod {
     const OFTEN: u32 = 3;
+    let is_ordered = arguments.model == Model::EmissionAbsorption;
     let takes_any_order = matches!(arguments.sort, SortMethod::Auto | SortMethod::Exact) && !arguments.check_order;
     let has_more_cells = cells as u64 > u64::from(width) * u64::from(height);
     match arguments.cpu_method {
         Some(method) => method,
-        None if frames >= OFTEN && has_more_cells && takes_any_order => CpuMethod::Rays,
+        None if frames >= OFTEN && has_more_cells && is_ordered && takes_any_order => CpuMethod::Rays,
         None => CpuMethod::Footprints,
     }
 }

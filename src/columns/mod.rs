@@ -47,4 +47,6 @@ pub use positions::Positions;
 pub(crate) use spatial_order::UNUSED;
 pub(crate) use split::split_hexahedron;
 pub use tets::{BlockIds, BlockTets, Tets, TetsView};
-pub use volume::{Cube, CubeGrid, GridEye, Lattice, SampleVisitor, Samples, Volume, VolumeField};
+pub use volume::{
+    Cube, CubeCorners, CubeGrid, CubeSlopes, GridEye, Lattice, SampleVisitor, Samples, Volume, VolumeField,
+};

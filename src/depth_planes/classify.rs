@@ -82,23 +82,36 @@ impl Classifier {
         if extinction > self.threshold { extinction } else { 0.0 }
     }
 
-    /// Extinctions of the values of lanes that have a length, and anything in the others.
+    /// Whether the values of all lanes that have a length are in one piece.
     #[inline(always)]
-    pub(super) fn looks(&self, s: &Lanes, length: &Lanes) -> Looks {
+    fn are_in(&self, piece: u32, s: &Lanes, length: &Lanes) -> bool {
+        let knots = &self.knots;
+        let start = (piece as usize).checked_sub(1).map_or(f32::NEG_INFINITY, |knot| knots[knot]);
+        let end = knots.get(piece as usize).copied().unwrap_or(f32::INFINITY);
+        let mut are_in = true;
+        for l in 0..LANES {
+            are_in &= (s[l] >= start) & (s[l] < end) | (length[l] <= 0.0);
+        }
+        are_in
+    }
+
+    /// Extinctions of the values of lanes that have a length, and anything in the others. `last` is the piece that all were in when there
+    /// was one, which is often the one that they are in.
+    #[inline(always)]
+    pub(super) fn looks(&self, s: &Lanes, length: &Lanes, last: &mut u32) -> Looks {
+        if self.are_in(*last, s, length) {
+            return self.looks_in(*last, s);
+        }
         let (mut low, mut high) = ([0.0; LANES], [0.0; LANES]);
         for l in 0..LANES {
             (low[l], high[l]) = if length[l] > 0.0 { (s[l], s[l]) } else { (f32::INFINITY, f32::NEG_INFINITY) };
         }
-        let (first, last) = (self.piece_of(least(&low)), self.piece_of(most(&high)));
-        let mut extinction = [0.0; LANES];
-        if first == last {
-            let piece = self.pieces[first];
-            for l in 0..LANES {
-                let found = piece.extinction_at(s[l]);
-                extinction[l] = if found > self.threshold { found } else { 0.0 };
-            }
-            return Looks { extinction, piece: PieceOf::All(first as u32) };
+        let (first, end) = (self.piece_of(least(&low)), self.piece_of(most(&high)));
+        if first == end {
+            *last = first as u32;
+            return self.looks_in(*last, s);
         }
+        let mut extinction = [0.0; LANES];
         let mut pieces = [0; LANES];
         for l in 0..LANES {
             let piece = self.piece_of(s[l]);
@@ -106,6 +119,18 @@ impl Classifier {
             extinction[l] = self.extinction_in(piece, s[l]);
         }
         Looks { extinction, piece: PieceOf::Each(pieces) }
+    }
+
+    /// The same of values in one piece.
+    #[inline(always)]
+    fn looks_in(&self, piece: u32, s: &Lanes) -> Looks {
+        let mut extinction = [0.0; LANES];
+        let of_piece = self.pieces[piece as usize];
+        for l in 0..LANES {
+            let found = of_piece.extinction_at(s[l]);
+            extinction[l] = if found > self.threshold { found } else { 0.0 };
+        }
+        Looks { extinction, piece: PieceOf::All(piece) }
     }
 
     /// The colours of the same values.

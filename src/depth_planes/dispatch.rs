@@ -26,6 +26,13 @@ impl Dispatch {
         Self { set: set.filter(|set| available.contains(set)).unwrap_or(available[0]) }
     }
 
+    /// Whether kernels run with AVX-512.
+    #[cfg(target_arch = "x86_64")]
+    #[inline(always)]
+    pub(super) fn has_avx512(self) -> bool {
+        self.set == InstructionSet::Avx512
+    }
+
     /// Runs a kernel.
     #[inline]
     pub(super) fn run(self, kernel: impl Kernel) {

@@ -8,10 +8,10 @@ use glam::{DVec3, Vec3};
 
 use super::sample::{Grid, Places, Sampler, gradient};
 use super::shadows::LightVolume;
-use super::{Light, Lighting};
 use crate::camera::Frame;
 use crate::columns::{Lattice, VolumeField};
 use crate::optics::lanes::{LANES, Lanes};
+use crate::optics::lighting::Lighting;
 
 /// The lights of a picture, and what a surface is.
 pub(super) struct Lit {
@@ -43,14 +43,8 @@ pub(super) struct Surfaces {
 impl Lit {
     /// Lights of a view.
     pub(super) fn new(lighting: &Lighting, frame: &Frame, lattice: &Lattice, field: &VolumeField) -> Self {
-        let left_shoulder = -frame.forward - 0.6 * frame.step_x.normalize() - 0.8 * frame.step_y.normalize();
-        let default = [Light { direction: left_shoulder, color: [1.0; 3] }];
-        let lights = if lighting.lights.is_empty() { &default[..] } else { &lighting.lights };
-        let lamps = lights.iter().map(|light| Lamp {
-            toward: light.direction.normalize_or_zero().as_vec3(),
-            color: light.color.into(),
-            arriving: None,
-        });
+        let lamps = lighting.lamps([frame.forward, frame.step_x, frame.step_y]);
+        let lamps = lamps.into_iter().map(|(toward, color)| Lamp { toward, color, arriving: None });
         let grid_from_world = lattice.grid_from_world().matrix3;
         let (low, high) = field.range;
         let spacing = lattice.volume_of_cell().cbrt();

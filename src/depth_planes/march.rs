@@ -58,6 +58,8 @@ struct Met {
     transmittance: Lanes,
     /// The largest scalar.
     largest: Lanes,
+    /// The transfer function's piece that all were in last.
+    piece: u32,
 }
 
 impl March<'_> {
@@ -68,6 +70,7 @@ impl March<'_> {
             depth: [0.0; LANES],
             transmittance: [1.0; LANES],
             largest: [f32::NEG_INFINITY; LANES],
+            piece: 0,
         };
         let mut between = [f32::INFINITY, f32::NEG_INFINITY];
         for l in 0..LANES {
@@ -142,15 +145,14 @@ impl March<'_> {
         }
         let mut at: Places = [[0.0; LANES]; 3];
         let mut is_met = [0; LANES];
+        // All axes in one loop: three short ones are unrolled before they can become vector code.
+        let [x, y, z] = &mut at;
+        let ([ox, oy, oz], [dx, dy, dz], [ux, uy, uz]) = (&rays.origin, &rays.step, self.upper);
         for l in 0..LANES {
             is_met[l] = mask(length[l] > 0.0);
-        }
-        for axis in 0..3 {
-            let upper = self.upper[axis];
-            for l in 0..LANES {
-                let place = rays.origin[axis][l] + depth[l] * rays.step[axis][l];
-                at[axis][l] = min(max(place, 0.0), upper);
-            }
+            x[l] = min(max(ox[l] + depth[l] * dx[l], 0.0), ux);
+            y[l] = min(max(oy[l] + depth[l] * dy[l], 0.0), uy);
+            z[l] = min(max(oz[l] + depth[l] * dz[l], 0.0), uz);
         }
         if !is_any(&is_met) {
             return;
@@ -174,7 +176,7 @@ impl March<'_> {
             }
             return;
         }
-        let looks = self.classifier.looks(&s, length);
+        let looks = self.classifier.looks(&s, length, &mut met.piece);
         let colors = |colors: &mut [Lanes; 3]| self.classifier.colors(&looks, &s, colors);
         self.composite(at, length, &looks.extinction, colors, rays, met);
     }

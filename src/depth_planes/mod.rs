@@ -4,7 +4,7 @@
 //! [`Image`](crate::image::Image). The way there: `planes` between limits that abut the data → `rays`, from the screen to the grid by one
 //! matrix, sixteen pixels side by side → `march` from plane to plane, nearest first: `sample` (from the `source`, in the type of the file, or
 //! through a wider `filter`), `classify`, light (`lighting`, through `shadows`), compositing; stretches in which nothing shows are
-//! left out (`blocks`). Tiles in parallel (`draw`), each loop compiled for several instruction sets (`dispatch`).
+//! left out (`blocks`). Tiles in parallel (`draw`), each loop compiled for several instruction sets (`dispatch`), bytes fetched by `gather`.
 //! To add a filter: a sampler in `filter` and a variant of [`Filter`]; a way of spacing planes: a line in `planes`.
 #![expect(
     clippy::inline_always,
@@ -18,6 +18,7 @@ mod dispatch;
 mod draw;
 mod enlarge;
 mod filter;
+mod gather;
 mod lighting;
 mod march;
 mod options;
@@ -31,5 +32,7 @@ mod tests;
 
 pub use blocks::ValueBlocks;
 pub use draw::{Medium, draw};
-pub use options::{Classification, Filter, Light, Lighting, Options, Samples};
+pub use options::{Classification, Filter, Options, Samples};
 pub use planes::Planes;
+
+pub use crate::optics::lighting::{Light, Lighting};

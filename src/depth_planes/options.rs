@@ -2,10 +2,9 @@
 
 use std::str::FromStr;
 
-use glam::DVec3;
-
 use crate::backends::cpu::InstructionSet;
-use crate::error::{Error, Result, VolCondition};
+use crate::error::{Error, Result};
+use crate::optics::lighting::Lighting;
 use crate::optics::{Model, Output};
 
 /// Whether values are classified before they are interpolated or after.
@@ -69,49 +68,6 @@ pub enum Samples {
     Nyquist,
     /// So many.
     Count(u32),
-}
-
-/// A light at infinity.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Light {
-    /// Towards the light, in the world; of any length.
-    pub direction: DVec3,
-    /// Linear RGB; 1 is as bright as the paper's.
-    pub color: [f32; 3],
-}
-
-/// Phong's reflection on both sides of what the gradient is normal to.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Lighting {
-    /// Ka: what is lit from everywhere.
-    pub ambient: f32,
-    /// Kd, times |n·l|.
-    pub diffuse: f32,
-    /// Ks, times |r·v|ⁿ.
-    pub specular: f32,
-    /// n.
-    pub shininess: f32,
-    /// All of them add up; empty for one over the eye's left shoulder.
-    pub lights: Vec<Light>,
-    /// Extinction is multiplied by the surface strength: the gradient of the scalar over its range, per mean spacing.
-    pub has_strength: bool,
-    /// What lies between a sample and a light dims its diffuse and specular reflection.
-    pub has_shadows: bool,
-}
-
-impl Default for Lighting {
-    /// The paper's coefficients.
-    fn default() -> Self {
-        Self {
-            ambient: 0.4,
-            diffuse: 0.6,
-            specular: 0.3,
-            shininess: 15.0,
-            lights: Vec::new(),
-            has_strength: false,
-            has_shadows: false,
-        }
-    }
 }
 
 /// What is drawn on depth planes, and how.
@@ -208,38 +164,5 @@ impl Options {
             return bad("--filter", problem);
         }
         self.lighting.as_ref().map_or(Ok(()), |lighting| lighting.check(self.model))
-    }
-}
-
-impl Lighting {
-    fn check(&self, model: Model) -> Result<()> {
-        let bad = |option, problem: String| Err(Error::Option { option, problem });
-        if !matches!(model, Model::EmissionAbsorption | Model::Emission) {
-            return bad(
-                "--shade",
-                format!("the {model} model has no light that could be reflected; leave shading out"),
-            );
-        }
-        let coefficients = [
-            ("--ambient", self.ambient),
-            ("--diffuse", self.diffuse),
-            ("--specular", self.specular),
-            ("--shininess", self.shininess),
-        ];
-        for (option, value) in coefficients {
-            if !(0.0..=1e4).contains(&value) {
-                return bad(option, format!("{value}; from 0 to 10000"));
-            }
-        }
-        for light in &self.lights {
-            if light.direction.try_normalize().is_none() {
-                let problem = "the light source direction vector is null; expected X,Y,Z[:R,G,B]";
-                return bad("--light", VolCondition::NoLight.said(problem));
-            }
-            if !light.color.iter().all(|channel| (0.0..=1e4).contains(channel)) {
-                return bad("--light", format!("{:?}; each channel from 0 on", light.color));
-            }
-        }
-        Ok(())
     }
 }

@@ -160,30 +160,45 @@ impl<S: Source> Trilinear<'_, S> {
                 out.fraction[axis][l] = at[axis][l] - cell as f32;
             }
         }
-        let mut pairs = [[[<S::Value as bytemuck::Zeroable>::zeroed(); 2]; LANES]; 4];
+        let mut pairs = [[<S::Pair as bytemuck::Zeroable>::zeroed(); LANES]; 4];
         let offsets = [0, row, layer, layer + row];
-        let mut start = [0_u32; LANES];
-        let is_small = u32::try_from(layer * self.grid.dims[2]).is_ok();
-        for l in 0..LANES {
-            // Vector code, and right where the grid is small.
-            let rows = (first[2][l] as u32).wrapping_mul(self.grid.dims[1] as u32).wrapping_add(first[1][l] as u32);
-            start[l] = rows.wrapping_mul(row as u32).wrapping_add(first[0][l] as u32);
-        }
-        for l in 0..LANES {
-            let start = if is_small {
-                start[l] as usize
-            } else {
-                first[0][l] as usize + row * first[1][l] as usize + layer * first[2][l] as usize
-            };
-            let found = self.source.pairs(start, offsets);
+        // A copy, so that what is written here cannot change it.
+        let source = *self.source;
+        let mut fetch = |l: usize, start: usize| {
+            let found = source.pairs(start, offsets);
             for pair in 0..4 {
                 pairs[pair][l] = found[pair];
+            }
+        };
+        if u32::try_from(layer * self.grid.dims[2]).is_ok() {
+            // Vector code, and right where the grid is small.
+            let mut start = [0_u32; LANES];
+            let (rows_a_layer, row) = (self.grid.dims[1] as u32, row as u32);
+            for l in 0..LANES {
+                let rows = (first[2][l] as u32).wrapping_mul(rows_a_layer).wrapping_add(first[1][l] as u32);
+                start[l] = rows.wrapping_mul(row).wrapping_add(first[0][l] as u32);
+            }
+            if let Some(words) = source.gathered(self.dispatch, &start, offsets) {
+                for pair in 0..4 {
+                    for l in 0..LANES {
+                        out.values[2 * pair][l] = (words[pair][l] & 0xff) as f32;
+                        out.values[2 * pair + 1][l] = (words[pair][l] >> 8 & 0xff) as f32;
+                    }
+                }
+                return;
+            }
+            for l in 0..LANES {
+                fetch(l, start[l] as usize);
+            }
+        } else {
+            for l in 0..LANES {
+                fetch(l, first[0][l] as usize + row * first[1][l] as usize + layer * first[2][l] as usize);
             }
         }
         for pair in 0..4 {
             for l in 0..LANES {
-                out.values[2 * pair][l] = pairs[pair][l][0].narrowed();
-                out.values[2 * pair + 1][l] = pairs[pair][l][1].narrowed();
+                let [a, b] = S::halves(pairs[pair][l]);
+                (out.values[2 * pair][l], out.values[2 * pair + 1][l]) = (a, b);
             }
         }
     }

@@ -118,7 +118,7 @@ impl Sweep<'_> {
             }
             let mut s = [0.0; LANES];
             self.sampler.sample(&middle, &mut s);
-            let looks = self.classifier.looks(&s, &length);
+            let looks = self.classifier.looks(&s, &length, &mut 0);
             for l in 0..out.len() {
                 out[l] = arrived[l] * exp_neg(looks.extinction[l] * length[l]);
             }

@@ -6,8 +6,9 @@
 
 use rayon::prelude::*;
 
-use super::build::{Hierarchy, index};
+use super::build::Hierarchy;
 use super::leaves::Leaves;
+use super::level::index;
 use super::select::{Shows, WithinError};
 use crate::columns::{Sample, SampleVisitor, Samples, VolumeField};
 
@@ -54,7 +55,7 @@ impl SampleVisitor for Count<'_> {
 
     fn visit<T: Sample>(self, samples: Samples<'_, T>) -> CubeCounts {
         let Self { hierarchy, shows } = self;
-        let leaves = Leaves::new(samples, hierarchy.offset());
+        let leaves = Leaves::new(samples, hierarchy.offset(), hierarchy.interpolation(), hierarchy.dims());
         let levels = hierarchy.levels();
         let largest = levels.last().map_or(0.0, |root| root.node(0).max - root.node(0).min);
         // Above the largest error, whatever it was rounded to.
@@ -76,9 +77,10 @@ impl SampleVisitor for Count<'_> {
         let mut above: Vec<f32> = vec![f32::INFINITY];
         let mut changes = nothing();
         for (number, level) in levels.iter().enumerate().rev() {
-            let error = |i: usize| Some(level.node(i).error()).filter(|error| !error.is_nan()).unwrap_or(f32::INFINITY);
+            let nodes = level.nodes();
+            let error = |i: usize| Some(nodes.node(i).error()).filter(|error| !error.is_nan()).unwrap_or(f32::INFINITY);
             let of_nodes = (0..level.len()).into_par_iter().with_min_len(1 << 14).fold(nothing, |mut changes, i| {
-                let node = level.node(i);
+                let node = nodes.node(i);
                 if !shows.is_transparent(node.min, node.max) {
                     add(&mut changes, error(i), above[i]);
                 }
@@ -86,11 +88,11 @@ impl SampleVisitor for Count<'_> {
             });
             changes = sum(changes, of_nodes.reduce(nothing, sum));
             let below = if number == 0 { hierarchy.dims() } else { levels[number - 1].dims };
-            let parent = |i: usize| {
-                let [nx, ny, _] = below;
-                let (x, rest) = (i as u32 % nx, i as u32 / nx);
-                index(level.dims, [x, rest % ny, rest / ny].map(|node| node / 2))
+            let place = |i: usize| {
+                let [nx, ny] = [below[0] as usize, below[1] as usize];
+                [i % nx, i / nx % ny, i / (nx * ny)].map(|along| along as u32)
             };
+            let parent = |i: usize| index(level.dims, place(i).map(|node| node / 2));
             let of_parent = |parent: usize| above[parent].min(error(parent));
             let len = below.iter().map(|&side| side as usize).product::<usize>();
             if number > 0 {
@@ -98,8 +100,8 @@ impl SampleVisitor for Count<'_> {
                 continue;
             }
             let of_samples = (0..len).into_par_iter().with_min_len(1 << 14).fold(nothing, |mut changes, i| {
-                let value = leaves.get(i);
-                if !value.is_nan() && !shows.is_transparent(value, value) {
+                let found = leaves.node(place(i));
+                if !found.mean.is_nan() && !shows.is_transparent(found.min, found.max) {
                     add(&mut changes, 0.0, of_parent(parent(i)));
                 }
                 changes

@@ -12,7 +12,7 @@
 
 use glam::DVec3;
 
-use super::build::Node;
+use super::level::Node;
 use super::select::Accept;
 use crate::camera::Frame;
 use crate::columns::CubeGrid;

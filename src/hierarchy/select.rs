@@ -8,8 +8,9 @@
 
 use rayon::prelude::*;
 
-use super::build::{Hierarchy, Level, Node, index};
+use super::build::Hierarchy;
 use super::leaves::Leaves;
+use super::level::{Level, Node, Nodes};
 use crate::columns::{Cube, GridEye, Sample, SampleVisitor, Samples, VolumeField};
 use crate::optics::{CullTable, Intervals};
 
@@ -103,9 +104,9 @@ impl<A: Accept> SampleVisitor for Select<'_, A> {
 
     fn visit<T: Sample>(self, samples: Samples<'_, T>) -> Selection {
         let Self { hierarchy, accept, shows, eye, is_parallel, cubes } = self;
-        let leaves = Leaves::new(samples, hierarchy.offset());
-        let levels = hierarchy.levels();
-        let walk = Walk { levels, dims: hierarchy.dims(), leaves, accept, shows, eye, stop: 0 };
+        let leaves = Leaves::new(samples, hierarchy.offset(), hierarchy.interpolation(), hierarchy.dims());
+        let levels: Vec<Nodes> = hierarchy.levels().iter().map(Level::nodes).collect();
+        let walk = Walk { levels: &levels, dims: hierarchy.dims(), leaves, accept, shows, eye, stop: 0 };
         let mut selection = Selection { cubes, ..Selection::default() };
         selection.clear();
         if !is_parallel || levels.len() <= LEVELS_ABOVE_PARTS {
@@ -135,8 +136,8 @@ const LEVELS_ABOVE_PARTS: usize = 3;
 
 /// A walk through the tree, or, with a level to stop at, only down to it.
 struct Walk<'a, T, A> {
-    levels: &'a [Level],
-    /// Samples along i, j and k.
+    levels: &'a [Nodes<'a>],
+    /// Smallest boxes along i, j and k.
     dims: [u32; 3],
     leaves: Leaves<'a, T>,
     accept: &'a A,
@@ -160,7 +161,7 @@ impl<T: Sample, A: Accept> Walk<'_, T, A> {
         let Some(above) = level.checked_sub(1) else {
             return self.sample(node, selection);
         };
-        let found = self.levels[above].node(self.levels[above].index(node));
+        let found = self.levels[above].at(node);
         if found.min > found.max {
             selection.visited += 1;
             selection.invalid += self.samples_under(level, node);
@@ -212,13 +213,13 @@ impl<T: Sample, A: Accept> Walk<'_, T, A> {
     #[inline]
     fn sample(&self, node: [u32; 3], selection: &mut Selection) {
         selection.visited += 1;
-        let value = self.leaves.get(index(self.dims, node));
-        if value.is_nan() {
+        let found = self.leaves.node(node);
+        if found.mean.is_nan() {
             selection.invalid += 1;
-        } else if self.shows.is_transparent(value, value) {
+        } else if self.shows.is_transparent(found.min, found.max) {
             selection.transparent += 1;
         } else {
-            selection.cubes.push(Cube { node: node.map(|node| node as u16), level: 0, value });
+            selection.cubes.push(Cube { node: node.map(|node| node as u16), level: 0, value: found.mean });
         }
     }
 

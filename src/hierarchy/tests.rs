@@ -4,7 +4,9 @@ use glam::DVec3;
 
 use super::*;
 use crate::FieldSelection;
-use crate::columns::{Array, Association, Cube, CubeGrid, GridEye, Lattice, NumericColumn, Volume, VolumeField};
+use crate::columns::{
+    Array, Association, Cube, CubeCorners, CubeGrid, CubeSlopes, GridEye, Lattice, NumericColumn, Volume, VolumeField,
+};
 use crate::optics::{ControlPoint, CullTable, Model, Pieces, TransferFunction};
 
 fn field(dims: [usize; 3], values: impl Into<NumericColumn>) -> (Volume, VolumeField) {
@@ -218,4 +220,84 @@ fn the_longest_way_through_a_volume_is_no_shorter_than_that_of_any_ray() {
         }
     }
     assert!(shortest < 0.9 * diagonal, "{shortest} of {diagonal}");
+}
+
+/// Every point of two boxes' common border has one value, whatever their sizes; in the twin, whose corners are samples, it has two.
+#[test]
+fn values_between_points_agree_where_boxes_of_different_size_meet() {
+    let (pieces, table) = transfer(&[(0.0, 1.0), (255.0, 1.0)]);
+    let shows = Shows { intervals: &pieces, table: &table };
+    for (dims, seed) in [([14, 10, 12], 5), ([17, 17, 17], 9), ([9, 26, 6], 2)] {
+        let (_, field) = field(dims, bytes(dims, seed));
+        let tree = Hierarchy::with(&field, Interpolation::Trilinear).unwrap();
+        let mut selection = Selection::default();
+        let tolerance = 40.0;
+        selection.select((&tree, &field), &WithinError(tolerance), shows, GridEye::Along(DVec3::ONE), false);
+        let cubes = &selection.cubes;
+        let levels: std::collections::HashSet<u16> = cubes.iter().map(|cube| cube.level).collect();
+        assert!(levels.len() > 1, "{levels:?}");
+        let of_selection = SelectedCorners::new((&tree, &field), cubes);
+        let sample = |at: [u32; 3]| field.values.get(field.index(at.map(|along| along as usize))) as f32;
+        let boxes: Vec<[[u32; 3]; 2]> = cubes.iter().map(|cube| cube.samples(tree.dims())).collect();
+        let of_samples = |ends: [[u32; 3]; 2]| -> [f32; 8] {
+            std::array::from_fn(|corner| sample([0, 1, 2].map(|axis| ends[corner >> axis & 1][axis])))
+        };
+        let value = |corners: &[f32; 8], [first, end]: [[u32; 3]; 2], at: [f32; 3]| {
+            let share = |axis: usize| (at[axis] - first[axis] as f32) / (end[axis] - first[axis]) as f32;
+            super::linear::between(corners, [share(0), share(1), share(2)])
+        };
+        let mut unit = random(3);
+        let (mut compared, mut largest, mut of_twin) = (0, 0.0_f32, 0.0_f32);
+        for (a, &[low, high]) in boxes.iter().enumerate() {
+            for (b, &[other_low, other_high]) in boxes.iter().enumerate().skip(a + 1) {
+                let from: [u32; 3] = std::array::from_fn(|axis| low[axis].max(other_low[axis]));
+                let to: [u32; 3] = std::array::from_fn(|axis| high[axis].min(other_high[axis]));
+                if (0..3).any(|axis| from[axis] > to[axis]) {
+                    continue;
+                }
+                let at: [f32; 3] =
+                    std::array::from_fn(|axis| from[axis] as f32 + unit() as f32 * (to[axis] - from[axis]) as f32);
+                let both = [(a, [low, high]), (b, [other_low, other_high])];
+                let [p, q] = both.map(|(i, ends)| value(&of_selection.of(&cubes[i]), ends, at));
+                largest = largest.max((p - q).abs());
+                let [p, q] = both.map(|(_, ends)| value(&of_samples(ends), ends, at));
+                of_twin = of_twin.max((p - q).abs());
+                compared += 1;
+            }
+        }
+        assert!(compared > 200 && largest < 1e-3 && of_twin > 5.0, "{compared}: {largest}, {of_twin}");
+        // The error says how far samples are off in boxes whose corners are samples.
+        for (cube, &ends) in cubes.iter().zip(&boxes) {
+            let corners = of_samples(ends);
+            let [first, end] = ends;
+            for i in 0..27_u32 {
+                let at: [u32; 3] = std::array::from_fn(|axis| {
+                    first[axis] + (i / 3_u32.pow(axis as u32) % 3) * (end[axis] - first[axis]) / 2
+                });
+                let off = (value(&corners, ends, at.map(|along| along as f32)) - sample(at)).abs();
+                assert!(off <= tolerance + 1e-3, "{cube:?}: {off}");
+            }
+        }
+    }
+}
+
+#[test]
+fn slopes_of_a_ramp_are_its_own() {
+    let dims = [9, 8, 7];
+    let values: Vec<f32> = (0..dims.iter().product())
+        .map(|i: usize| (i % 9) as f32 + 3.0 * (i / 9 % 8) as f32 - (i / 72) as f32)
+        .collect();
+    let (_, field) = field(dims, values);
+    for interpolation in [Interpolation::Constant, Interpolation::Trilinear] {
+        let tree = Hierarchy::with(&field, interpolation).unwrap();
+        let slopes = Slopes::new((&tree, &field));
+        for (node, level) in [([0, 0, 0], 0), ([4, 3, 2], 0), ([1, 1, 1], 1), ([0, 1, 0], 2)] {
+            let slope = slopes.of(&Cube { node, level, value: 0.0 });
+            assert_eq!(slope, [1.0, 3.0, -1.0], "{interpolation:?} {node:?} {level}");
+        }
+    }
+    // Beside a hole: the other side alone.
+    let (_, field) = super::tests::field([4, 1, 1], vec![1.0, f32::NAN, 5.0, 9.0]);
+    let tree = Hierarchy::new(&field).unwrap();
+    assert_eq!(Slopes::new((&tree, &field)).of(&Cube { node: [2, 0, 0], level: 0, value: 5.0 }), [4.0, 0.0, 0.0]);
 }

@@ -4,7 +4,7 @@
 //! Out: colour and extinction for a value ([`transfer`], in f32 pieces for stages: [`pieces`]), which intervals show nothing
 //! ([`cull_table`]), the weights of a segment's end colours ([`integral`]), and the models as compositors use them ([`Optics`]).
 //!
-//! Wavelength bands with extinctions of their own: [`bands`].
+//! Wavelength bands with extinctions of their own: [`bands`]. Light that is reflected: [`lighting`].
 //!
 //! To add a preset, a line in [`presets::ColorMap`]; a file format, a file in `read/` and a line in
 //! [`TransferFunction::parse`](transfer::TransferFunction::parse); a model or an integral, a variant in [`model`] and a file
@@ -34,6 +34,7 @@ pub mod histogram;
 pub mod integral;
 pub mod intervals;
 pub mod lanes;
+pub mod lighting;
 pub mod materials;
 mod mip;
 pub mod model;

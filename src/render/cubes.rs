@@ -9,10 +9,11 @@ use super::{Rendered, Renderer};
 use crate::backends::cpu::{CubeCompositor, InstructionSet};
 use crate::backends::{Counts, Frame};
 use crate::camera::Camera;
-use crate::columns::{Association, CubeGrid, Dataset, Field, Volume, VolumeField};
+use crate::columns::{Association, CubeCorners, CubeGrid, CubeSlopes, Dataset, Field, Volume, VolumeField};
 use crate::error::{Error, Result};
 use crate::hierarchy::{
-    Accept, CubeCounts, Hierarchy, Selection, Shows, TimeBudget, WithinError, WithinPicture, longest_chord_world,
+    Accept, CubeCounts, Hierarchy, Interpolation, SelectedCorners, Selection, Shows, Slopes, TimeBudget, WithinError,
+    WithinPicture, longest_chord_world,
 };
 use crate::image::Image;
 use crate::optics::{CullTable, Optics, Pieces, TransferFunction};
@@ -61,12 +62,29 @@ impl CubeScene {
     /// # Errors
     /// [`Error::TooLarge`] where a side has more samples than the octree numbers; [`Error::Option`] where the grid is flat.
     pub fn new(volume: &Volume, field: VolumeField, transfer: &TransferFunction) -> Result<Self> {
+        let hierarchy = Hierarchy::new(&field)?;
+        Self::with_hierarchy(volume, field, hierarchy, transfer)
+    }
+
+    /// The same of an octree that is there already, that of `field`: of constant boxes, or of boxes between points, in which values are
+    /// trilinear.
+    ///
+    /// # Errors
+    /// [`Error::Option`] where the grid is flat.
+    pub fn with_hierarchy(
+        volume: &Volume,
+        field: VolumeField,
+        hierarchy: Hierarchy,
+        transfer: &TransferFunction,
+    ) -> Result<Self> {
         if volume.lattice.volume_of_cell() <= 0.0 || !volume.lattice.is_finite() {
             let problem = "cubes: the steps of this grid lie in a plane; give it another --spacing".to_owned();
             return Err(Error::Option { option: "--method", problem });
         }
-        let grid = CubeGrid::new(volume, &field);
-        let hierarchy = Hierarchy::new(&field)?;
+        let grid = match hierarchy.interpolation() {
+            Interpolation::Constant => CubeGrid::new(volume, &field),
+            Interpolation::Trilinear => CubeGrid::between_points(volume),
+        };
         let offset = hierarchy.offset();
         let stored = |value: f64| (value - offset) as f32;
         let stored = Field {
@@ -117,7 +135,8 @@ impl CubeScene {
 /// How fine a picture of cubes is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Detail {
-    /// No sample differs from its cube by more than this share of the range of values.
+    /// No sample differs from its cube by more than this share of the range of values; from the interpolation in a cube between points
+    /// before its corners follow a larger one beside it, which may take as much again.
     Error(f64),
     /// No channel of a pixel differs by more than this from that of all samples: see [`WithinPicture`].
     PictureError(f64),
@@ -182,6 +201,10 @@ impl Renderer {
         camera: &Camera,
     ) -> Result<(Rendered, CubeStats)> {
         self.check_cubes(detail)?;
+        self.check_lighting()?;
+        if scene.hierarchy.interpolation() == Interpolation::Trilinear {
+            self.check_trilinear(detail)?;
+        }
         if let Some(backing) = &scene.place.backing {
             backing.check()?;
         }
@@ -228,6 +251,23 @@ impl Renderer {
         }
     }
 
+    /// What values between points cannot be drawn by.
+    fn check_trilinear(&self, detail: Detail) -> Result<()> {
+        let refuse = |option, problem: &str| Err(Error::Option { option, problem: problem.to_owned() });
+        if self.draws_fans() {
+            let problem = "cubes with values between points are for the CPU's footprints; say --backend cpu \
+                           --cpu-method footprints, or leave --filter out";
+            return refuse("--filter", problem);
+        }
+        if matches!(detail, Detail::PictureError(_)) {
+            return refuse(
+                "--error-image",
+                "bounds cubes of one value; leave --filter out, or use --error or --budget-ms",
+            );
+        }
+        Ok(())
+    }
+
     fn check_cubes(&self, detail: Detail) -> Result<()> {
         let (option, number) = match detail {
             Detail::Error(share) => ("--error", share),
@@ -267,14 +307,21 @@ impl Renderer {
         let mut profile = Profile::default();
         let mut selection = std::mem::take(&mut self.cubes.selection);
         let in_view = CubesInView::new(&[], &scene.grid, scene.place.origin, view);
+        let is_trilinear = scene.hierarchy.interpolation() == Interpolation::Trilinear;
         let shows = Shows { intervals: &scene.pieces, table };
         selection.select(scene.tree(), rule, shows, in_view.eye, rayon::current_num_threads() > 1);
+        let corners = is_trilinear.then(|| SelectedCorners::new(scene.tree(), &selection.cubes));
+        let slopes = self.lighting.is_some().then(|| Slopes::new(scene.tree()));
         let selecting = start.elapsed();
         profile.add("select", selecting, selection.visited * 12);
 
         let frame = Frame {
             dataset: &scene.place,
-            cubes: Some(in_view.with(&selection.cubes)),
+            cubes: Some(in_view.with(
+                &selection.cubes,
+                corners.as_ref().map(|corners| corners as &dyn CubeCorners),
+                slopes.as_ref().map(|slopes| slopes as &dyn CubeSlopes),
+            )),
             field: &scene.stored,
             vertices: &[],
             pieces: &scene.pieces,

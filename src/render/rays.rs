@@ -19,7 +19,9 @@ impl Renderer {
         let options = &self.options;
         let fits = !has_geometry && options.memory_bytes.is_none() && scene.field.invalid == 0;
         let has_band_arrays = matches!(&scene.bands, Some(SceneBands::Arrays(_)));
-        if options.cpu_method != CpuMethod::Rays || !fits || has_band_arrays {
+        // Light and arrays of bands are looked up by cell, of which sixteen rays meet several at once.
+        let needs_cells = has_band_arrays || self.lighting.is_some();
+        if options.cpu_method != CpuMethod::Rays || !fits || needs_cells {
             return None;
         }
         scene.mates(profile)

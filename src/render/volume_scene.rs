@@ -9,6 +9,7 @@ use crate::columns::{Volume, VolumeField};
 use crate::depth_planes::ValueBlocks;
 use crate::error::Result;
 use crate::geometry::{Layer, SurfaceFaces, TriangleMesh, triangles_around};
+use crate::hierarchy::{Hierarchy, Interpolation};
 use crate::image::DepthImage;
 use crate::optics::TransferFunction;
 use crate::stages::scene_per_length;
@@ -78,12 +79,16 @@ impl VolumeScene {
         &self.field
     }
 
-    /// The same as cubes, with the octree of its samples.
+    /// The same as cubes, with the octree of its samples: one that is there already, or one that is built.
     ///
     /// # Errors
-    /// Those of [`CubeScene::new`].
-    pub fn into_cubes(self) -> Result<CubeScene> {
-        CubeScene::new(&self.volume, self.field, &self.transfer)
+    /// Those of [`Hierarchy::with`] and [`CubeScene::with_hierarchy`].
+    pub fn into_cubes(self, interpolation: Interpolation, stored: Option<Hierarchy>) -> Result<CubeScene> {
+        let hierarchy = match stored {
+            Some(hierarchy) => hierarchy,
+            None => Hierarchy::with(&self.field, interpolation)?,
+        };
+        CubeScene::with_hierarchy(&self.volume, self.field, hierarchy, &self.transfer)
     }
 
     /// Shows the field with another transfer function.

@@ -6,7 +6,7 @@
 use glam::{DAffine3, DVec3, Vec3};
 
 use super::{PixelProjection, View};
-use crate::columns::{Cube, CubeGrid, GridEye};
+use crate::columns::{Cube, CubeCorners, CubeGrid, CubeSlopes, GridEye};
 
 /// Cubes, farthest first, as a view sees them.
 #[derive(Clone, Copy, Debug)]
@@ -17,6 +17,10 @@ pub struct CubesInView<'a> {
     pub dims: [u32; 3],
     /// From where the grid is seen.
     pub eye: GridEye,
+    /// The values at the corners of cubes that have other values than one.
+    pub corners: Option<&'a dyn CubeCorners>,
+    /// How values change over cubes that are lit.
+    pub slopes: Option<&'a dyn CubeSlopes>,
     scene_from_grid: DAffine3,
 }
 
@@ -32,13 +36,20 @@ impl<'a> CubesInView<'a> {
         } else {
             GridEye::Along(grid_from_scene.transform_vector3(-view.forward))
         };
-        Self { cubes, dims: grid.dims, eye, scene_from_grid }
+        Self { cubes, dims: grid.dims, eye, corners: None, slopes: None, scene_from_grid }
     }
 
-    /// Other cubes of the same grid, in the same view.
+    /// Other cubes of the same grid, in the same view, with values at their corners where they are not constant, and slopes
+    /// where they are lit.
     #[must_use]
-    pub fn with<'b>(&self, cubes: &'b [Cube]) -> CubesInView<'b> {
-        CubesInView { cubes, ..*self }
+    pub fn with<'b>(
+        &self,
+        cubes: &'b [Cube],
+        corners: Option<&'b dyn CubeCorners>,
+        slopes: Option<&'b dyn CubeSlopes>,
+    ) -> CubesInView<'b> {
+        let Self { dims, eye, scene_from_grid, .. } = *self;
+        CubesInView { cubes, dims, eye, corners, slopes, scene_from_grid }
     }
 
     /// The map from grid coordinates to scene units.

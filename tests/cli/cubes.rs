@@ -49,6 +49,11 @@ fn cubes_are_drawn_in_every_way_and_fewer_where_more_error_is_allowed() {
     // The same view, frame after frame: finer each time.
     render(&place, "-o still.npy --budget-ms 10000 --frames 2 --orbit 0").succeeds();
     render(&place, "-o moving.png --budget-ms 5 --model mip").succeeds();
+    // Values between points, and light, are other pictures.
+    for more in ["--filter trilinear", "--shade", "--filter trilinear --strength --light 1,0,0:1,0.5,0.2"] {
+        render(&place, &format!("-o other.npy {more}")).succeeds();
+        assert!(difference("other.npy") > 0.01, "{more}");
+    }
 }
 
 #[test]
@@ -60,7 +65,12 @@ fn what_does_not_fit_is_refused() {
         ("--bands b.csv", "--bands"),
         ("--memory 1Gi", "--memory"),
         ("--surface", "--surface"),
-        ("--shade", "depth planes"),
+        ("--filter b-spline", "trilinear"),
+        ("--filter trilinear --error-image 0.1", "--error-image"),
+        ("--filter trilinear --cpu-method fans", "footprints"),
+        ("--shade --cpu-method fans", "footprints"),
+        ("--shade --model mip", "--shade"),
+        ("--shadows", "depth planes"),
     ] {
         let ran = render(&place, &format!("-o out.npy {more}"));
         assert!(ran.err.contains(message), "{more}: {}", ran.err);

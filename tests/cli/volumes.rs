@@ -35,7 +35,7 @@ fn volumes_are_generated_described_drawn_and_converted() {
         assert!(covered(&place.path("a.png")) > 0.1, "{arguments}");
     }
     for (arguments, part) in [
-        ("generate volume -o a.vtu", ".nrrd"),
+        ("generate volume -o a.vtu", ".nrrd or .cells"),
         ("generate volume --dims 1x2x2 -o b.nrrd", "--dims"),
         ("generate volume --dims 1x2 -o b.nrrd", "256x256x110"),
         ("generate volume --cells 0 -o b.nrrd", "at least 1 cell"),
@@ -46,6 +46,35 @@ fn volumes_are_generated_described_drawn_and_converted() {
     place.run("generate volume --dims 9x7x5 --signal orbital --samples f32 -o b.nrrd".split_whitespace()).succeeds();
     let info = place.run(["info", "b.nrrd", "--json"]).succeeds().json();
     assert_eq!((&info["dims"], &info["arrays"][0]["type"]), (&json!([[9, 7, 5]]), &json!("f32")));
+}
+
+#[test]
+fn containers_of_volumes_are_drawn_in_place_as_the_volumes_are() {
+    let place = Place::new();
+    let generate = "generate volume --dims 21x18x15 --signal buckyball -o";
+    for name in ["v.nrrd", "generated.cells"] {
+        place.run(format!("{generate} {name}").split_whitespace()).succeeds();
+    }
+    place.run(["convert", "v.nrrd", "converted.cells"]).succeeds();
+    for name in ["generated.cells", "converted.cells"] {
+        let checked = place.run(["info", name, "--check"]).succeeds();
+        assert!(checked.err.contains("all right"), "{}", checked.err);
+        for (way, more) in [("cubes", "--error 10%"), ("cubes", "--filter trilinear --shade"), ("depth-planes", "")] {
+            let draw = |file: &str, out: &str| {
+                let line = format!("render {file} --method {way} {more} --size 40x32 --backend cpu -q -o {out}");
+                place.run(line.split_whitespace()).succeeds();
+                place.read(out)
+            };
+            assert!(draw("v.nrrd", "a.npy") == draw(name, "b.npy"), "{name} {way} {more}");
+            assert!(draw(&format!("{name} --no-mmap"), "c.npy") == place.read("a.npy"), "{name} {way} {more}");
+        }
+        // As cells too, as every container.
+        place.run(format!("render {name} --shade -q -o cells.png --size 40x32").split_whitespace()).succeeds();
+        assert!(covered(&place.path("cells.png")) > 0.1);
+    }
+    // A container of something else has no regular grid.
+    place.run("generate tets --cells 50 -o t.cells -q".split_whitespace()).succeeds();
+    place.run("render t.cells --method cubes -o t.png".split_whitespace()).fails(1, &["regular grid"]);
 }
 
 #[test]

@@ -33,7 +33,7 @@ fn samples([nx, ny, nz]: [usize; 3]) -> Vec<f32> {
 }
 
 /// Values of cells, or of points, on a sheared grid about one unit wide.
-fn volume(dims: [usize; 3], association: Association) -> Volume {
+pub(crate) fn volume(dims: [usize; 3], association: Association) -> Volume {
     let side = 1.0 / *dims.iter().max().unwrap() as f64;
     let steps = DMat3::from_cols(DVec3::X, DVec3::new(0.15, 0.9, 0.0), DVec3::new(-0.1, 0.1, 1.1)) * side;
     let points = if association == Association::Cell { dims.map(|side| side + 1) } else { dims };
@@ -47,7 +47,7 @@ fn scene(volume: &Volume, transfer: &TransferFunction) -> CubeScene {
 }
 
 /// From outside, along parallel rays, and from inside.
-fn views(scene: &CubeScene, [width, height]: [u32; 2]) -> [(&'static str, Camera); 3] {
+pub(crate) fn views(scene: &CubeScene, [width, height]: [u32; 2]) -> [(&'static str, Camera); 3] {
     let corners = scene.grid().corners_world();
     let middle = corners.iter().sum::<DVec3>() / 8.0;
     let outside = Camera::framing(&corners, 33.0, 21.0, width, height);
@@ -60,7 +60,7 @@ fn views(scene: &CubeScene, [width, height]: [u32; 2]) -> [(&'static str, Camera
 }
 
 /// The parts of a ray in all boxes of one sample, nearest first.
-fn segments(scene: &CubeScene, camera: &Camera, [x, y]: [u32; 2]) -> Vec<Segment> {
+pub(crate) fn segments(scene: &CubeScene, camera: &Camera, [x, y]: [u32; 2]) -> Vec<Segment> {
     let ray = ray_of(camera, f64::from(x) + 0.5, f64::from(y) + 0.5);
     let (grid, field) = (scene.grid(), scene.field());
     let to_grid = grid.lattice.grid_from_world();
@@ -83,7 +83,7 @@ fn segments(scene: &CubeScene, camera: &Camera, [x, y]: [u32; 2]) -> Vec<Segment
     segments
 }
 
-fn draw(options: RenderOptions, scene: &CubeScene, detail: Detail, camera: &Camera) -> (Image, u64) {
+pub(crate) fn draw(options: RenderOptions, scene: &CubeScene, detail: Detail, camera: &Camera) -> (Image, u64) {
     let (rendered, stats) = Renderer::new(options).render_cubes(scene, detail, camera).unwrap();
     assert_eq!(rendered.order.exactness, cellfan::profile::Exactness::Exact);
     (rendered.image, stats.cubes)

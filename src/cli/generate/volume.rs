@@ -1,13 +1,14 @@
-//! `generate volume`: an analytic signal on a regular grid, as NRRD.
+//! `generate volume`: an analytic signal on a regular grid, as NRRD or as a container with its octree.
 
 use cellfan::Error;
 use cellfan::generate::{Orbital, SampleType, Signal, volume};
-use cellfan::io::{Compression, check_target, write_nrrd};
+use cellfan::io::{Compression, check_target, container, write_nrrd};
 use clap::Args;
 
 use super::Arguments;
 use crate::cli::Outcome;
 use crate::cli::arguments::one_of;
+use crate::cli::convert::{is_container_name, told};
 use crate::cli::numbers::grouped;
 use crate::cli::progress::Progress;
 
@@ -33,8 +34,9 @@ const SIGNALS: [(&str, SignalOf); 3] =
 
 pub(super) fn run(arguments: &Arguments) -> Outcome {
     let (path, of_volume) = (&arguments.output, &arguments.volume);
-    if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("nrrd")) {
-        let problem = format!("\"{}\": volumes are written as .nrrd; end the name in it", path.display());
+    let is_nrrd = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("nrrd"));
+    if !is_nrrd && !is_container_name(path) {
+        let problem = format!("\"{}\": volumes are written as .nrrd or .cells; end the name in it", path.display());
         return Err(Error::Option { option: "--out", problem }.into());
     }
     check_target(path)?;
@@ -46,6 +48,10 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         let _progress = Progress::running("generating a volume");
         volume(dims, signal, of_volume.samples)?
     };
+    if !is_nrrd {
+        told(path, |tell| container::write_volume(volume, path, tell))?;
+        return Ok(());
+    }
     {
         let _progress = Progress::running(format!("writing {}", path.display()));
         let compression = if arguments.raw { Compression::None } else { Compression::Zlib };

@@ -2,6 +2,7 @@
 
 use cellfan::depth_planes::{Classification, Filter, Light, Lighting, Options, Planes as Positions, Samples};
 use cellfan::geometry::GeometryOptions;
+use cellfan::hierarchy::Interpolation;
 use cellfan::render::{VolumeScene, depth_planes};
 use cellfan::{Camera, Error, Rendered, Result};
 use clap::Args;
@@ -26,15 +27,16 @@ pub(in crate::cli) enum Method {
 #[expect(clippy::struct_excessive_bools, reason = "one for each switch of the command line")]
 pub(in crate::cli) struct Planes {
     /// What draws: cells, one by one; depth-planes, samples of a regular grid (.vti, NRRD, raw …) on planes across the view, nearest
-    /// first, on the CPU; or cubes, boxes of the samples of such a grid, of one value each, from their octree. The options below are
-    /// for depth planes.
+    /// first, on the CPU; or cubes, boxes of the samples of such a grid, from their octree. The options below are for depth planes;
+    /// light from --shade on is for all of them.
     #[arg(long, help_heading = "Depth planes", default_value = "cells", value_parser = one_of([("cells", Method::Cells), ("depth-planes", Method::DepthPlanes), ("cubes", Method::Cubes)]))]
     pub(super) method: Method,
     /// What is interpolated between points: the scalar, which is classified then, or colour and extinction, classified before
     /// [default: post].
     #[arg(long, value_name = "WHEN", help_heading = "Depth planes", value_parser = one_of(Classification::ALL.iter().map(|&one| (one.name(), one))))]
     classify: Option<Classification>,
-    /// What a sample is made of: the 8 points around it, or the 64 of a smoothing or an interpolating spline [default: trilinear].
+    /// What a sample is made of: the 8 points around it, or the 64 of a smoothing or an interpolating spline [default: trilinear]. With
+    /// cubes, trilinear puts the points at their corners and interpolates between them; without it a cube has one value.
     #[arg(long, value_name = "FILTER", help_heading = "Depth planes", value_parser = one_of(Filter::ALL.iter().map(|&one| (one.name(), one))))]
     filter: Option<Filter>,
     /// Samples across and down the picture, and planes: numbers, auto for as many as the grid's steps ask for, pixels for one each
@@ -53,7 +55,8 @@ pub(in crate::cli) struct Planes {
     /// Leave out samples that are less opaque than this from plane to plane [default: 0].
     #[arg(long, value_name = "OPACITY", help_heading = "Depth planes", value_parser = number, allow_hyphen_values = true)]
     opacity_threshold: Option<f32>,
-    /// Show reflected light, by Phong on both sides of surfaces, whose normals are the scalar's gradient. So does each option below.
+    /// Show reflected light, by Phong on both sides of surfaces, whose normals are the scalar's gradient; cells and cubes, on the CPU, have
+    /// one each. So does each option below.
     #[arg(long, help_heading = "Depth planes")]
     shade: bool,
     /// What is reflected of light from everywhere [default: 0.4].
@@ -74,7 +77,7 @@ pub(in crate::cli) struct Planes {
     /// Multiply extinction by the surface strength: the gradient over the array's range, a grid step long.
     #[arg(long, help_heading = "Depth planes")]
     strength: bool,
-    /// Dim light by what lies between it and a sample.
+    /// Dim light by what lies between it and a sample, on depth planes.
     #[arg(long, help_heading = "Depth planes")]
     shadows: bool,
 }
@@ -111,6 +114,7 @@ impl Planes {
             ..default
         };
         if !self.are_chosen() {
+            self.interpolation()?;
             let option = self.first_given();
             return option.map_or(Ok(options), |option| {
                 Err(Error::Option { option, problem: "is for depth planes; add --method depth-planes".to_owned() })
@@ -127,6 +131,45 @@ impl Planes {
         }
         options.check()?;
         Ok(options)
+    }
+
+    /// What cubes have between their corners.
+    ///
+    /// # Errors
+    /// [`Error::Option`] where they cannot.
+    pub(super) fn interpolation(&self) -> Result<Interpolation> {
+        match self.filter {
+            None => Ok(Interpolation::Constant),
+            Some(Filter::Trilinear) => Ok(Interpolation::Trilinear),
+            Some(filter) if self.method == Method::Cubes => {
+                let problem = format!("{} is for depth planes; cubes take trilinear", filter.name());
+                Err(Error::Option { option: "--filter", problem })
+            }
+            Some(_) => Ok(Interpolation::Constant),
+        }
+    }
+
+    /// The light that cells and cubes reflect.
+    ///
+    /// # Errors
+    /// [`Error::Option`] where they cannot be lit as is asked for.
+    pub(super) fn lighting_of_cells(&self, arguments: &Arguments) -> Result<Option<Lighting>> {
+        let lighting = self.lighting().filter(|_| !self.are_chosen());
+        let Some(lighting) = lighting else { return Ok(None) };
+        lighting.check_cells(arguments.model, arguments.integral)?;
+        if arguments.bands.is_some() {
+            let problem = "wavelength bands have no light that could be reflected; leave one of both out".to_owned();
+            return Err(Error::Option { option: "--shade", problem });
+        }
+        Ok(Some(lighting))
+    }
+
+    /// What light, or values between points in cubes, where they are asked for, need: GPUs draw neither.
+    pub(super) fn needs_processor(&self) -> Option<&'static str> {
+        if self.lighting().is_some() {
+            return Some("light is reflected on the CPU (--shade)");
+        }
+        (self.filter.is_some() && self.method == Method::Cubes).then_some("cubes with --filter trilinear are the CPU's")
     }
 
     fn lighting(&self) -> Option<Lighting> {
@@ -148,13 +191,12 @@ impl Planes {
     fn first_given(&self) -> Option<&'static str> {
         let all = [
             ("--classify", self.classify.is_some()),
-            ("--filter", self.filter.is_some()),
+            ("--filter", self.filter.is_some() && self.method != Method::Cubes),
             ("--samples", self.samples.is_some()),
             ("--sample-rate", self.sample_rate.is_some()),
             ("--render-scale", self.render_scale.is_some()),
             ("--vol-compat", self.vol_compat),
             ("--opacity-threshold", self.opacity_threshold.is_some()),
-            ("--shade", self.lighting().is_some()),
         ];
         all.into_iter().find(|&(_, is_given)| is_given).map(|(option, _)| option)
     }

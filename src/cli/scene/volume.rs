@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use cellfan::columns::{CellCounts, Volume, VolumeField};
+use cellfan::io::container::{self, StoredVolume};
 use cellfan::io::{Mesh, Scratch};
 use cellfan::profile::Profile;
 use cellfan::render::VolumeScene;
@@ -24,18 +25,27 @@ pub(super) struct Chosen {
     pub(super) transfer_note: String,
 }
 
-/// Reads the one volume that `paths` are.
-pub(super) fn read(paths: &[PathBuf], arguments: &Arguments, profile: &mut Profile) -> Result<Volume> {
+/// Reads the one volume that `paths` are; with its octrees where it is a container.
+pub(super) fn read(
+    paths: &[PathBuf],
+    arguments: &Arguments,
+    profile: &mut Profile,
+) -> Result<(Volume, Option<StoredVolume>)> {
     let _progress = meshes::reading(paths);
     let start = Instant::now();
     let scratch = if arguments.no_mmap { Scratch::unmapped() } else { Scratch::memory() };
-    let mesh = match meshes::one_container(paths, arguments.raw)? {
-        Some(_) => None,
-        None => Some(meshes::open(paths, arguments.raw, &scratch)?),
+    let found = match meshes::one_container(paths, arguments.raw)? {
+        Some(path) => {
+            container::open_volume(path, !arguments.no_mmap)?.map(|stored| (stored.volume.clone(), Some(stored)))
+        }
+        None => match meshes::open(paths, arguments.raw, &scratch)? {
+            Mesh::Volume(volume) => Some((volume, None)),
+            _ => None,
+        },
     };
-    let Some(Mesh::Volume(volume)) = mesh else {
+    let Some((volume, stored)) = found else {
         let problem = format!(
-            "it draws one regular grid (.vti, NRRD, structured points, raw samples), which {} is not",
+            "it draws one regular grid (.vti, NRRD, structured points, raw samples, a container of one), which {} is not",
             meshes::label(paths).display()
         );
         return Err(Error::Option { option: "--method", problem });
@@ -43,7 +53,7 @@ pub(super) fn read(paths: &[PathBuf], arguments: &Arguments, profile: &mut Profi
     let bytes = if volume.backing.is_some() { 0 } else { volume.owned_bytes() };
     profile.add("read", start.elapsed(), bytes);
     profile.sample_memory();
-    Ok(volume)
+    Ok((volume, stored))
 }
 
 /// Chooses array, transfer function and view.

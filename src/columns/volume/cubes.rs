@@ -1,5 +1,7 @@
 //! `Cube`: a box of samples with one value, and the grid of the smallest of them.
 
+use std::fmt;
+
 use glam::DVec3;
 
 use super::{Lattice, Volume, VolumeField};
@@ -36,7 +38,19 @@ impl Cube {
     }
 }
 
-/// The smallest cubes of a field: one a sample. Cube (i, j, k) reaches from these numbers to those one larger.
+/// Values at the corners of cubes, between which these are trilinear.
+pub trait CubeCorners: fmt::Debug + Sync {
+    /// The stored values at the corners of a cube: corner i has x = bit 0, y = bit 1, z = bit 2 of i.
+    fn of(&self, cube: &Cube) -> [f32; 8];
+}
+
+/// How the field changes over cubes.
+pub trait CubeSlopes: fmt::Debug + Sync {
+    /// How much the stored value changes by a step of the grid along i, j and k.
+    fn of(&self, cube: &Cube) -> [f32; 3];
+}
+
+/// The smallest cubes of a field: one a sample, or one between eight. Cube (i, j, k) reaches from these numbers to those one larger.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CubeGrid {
     /// Cubes along i, j and k.
@@ -53,6 +67,11 @@ impl CubeGrid {
             Association::Point => volume.lattice.from_point(DVec3::splat(-0.5)),
         };
         Self { dims: field.dims.map(|side| side as u32), lattice }
+    }
+
+    /// The cubes between the points of `volume`.
+    pub fn between_points(volume: &Volume) -> Self {
+        Self { dims: volume.cell_dims().map(|side| side as u32), lattice: volume.lattice }
     }
 
     /// The eight corners of all cubes together, in world coordinates.

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-pub use cubes::{Cube, CubeGrid, GridEye};
+pub use cubes::{Cube, CubeCorners, CubeGrid, CubeSlopes, GridEye};
 pub use field::{SampleVisitor, Samples, VolumeField};
 pub use lattice::Lattice;
 

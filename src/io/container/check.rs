@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use twox_hash::XxHash3_64;
 
 use super::directory::{ColumnSpan, Directory};
+use super::octree;
 use super::read::open;
 use crate::columns::{BlockCells, BlockView, Dataset, HexShape, orientation_of};
 use crate::error::{Error, Result, presentable};
@@ -23,7 +24,8 @@ pub struct Checked {
 }
 
 /// Reads the whole container: checksums, vertex numbers (in range; of tetrahedra ascending), positions (finite, within their block's
-/// box), orientation bits, shapes but for the choice of the diagonals, neighbours, counts.
+/// box), orientation bits, shapes but for the choice of the diagonals, neighbours, counts; that points of a regular grid are where
+/// it says, and that its octrees are those of its values.
 ///
 /// # Errors
 /// [`Error::Malformed`] with the first column, block or cell that is wrong.
@@ -64,6 +66,9 @@ pub fn check(path: &Path, use_map: bool) -> Result<Checked> {
             "column shapes".to_owned(),
             format!("{absent} cells are absent, not as many as it says"),
         ));
+    }
+    if let Some((place, problem)) = octree::problem_of(path, use_map, &dataset)? {
+        return Err(malformed(place, problem));
     }
     let bytes = spans.iter().map(|(_, span, _)| span.bytes).sum();
     Ok(Checked { columns: spans.len() as u64, bytes })

@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use twox_hash::XxHash3_64;
 
+use super::octree::LatticeEntry;
 use super::write::Written;
 use crate::columns::{ArrayHead, Association, CellCounts, Dataset, HEX_FACES, HexShape, StructuredBlock, TET_FACES};
 use crate::error::{Error, Result, presentable};
@@ -112,6 +113,9 @@ pub(super) struct Directory {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) adjacency: Option<Span>,
     pub(super) arrays: Vec<ArrayEntry>,
+    /// Where the points are that make a regular grid, and the octrees over its arrays.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) lattice: Option<LatticeEntry>,
 }
 
 /// Cells with faces of four corners.
@@ -338,6 +342,9 @@ impl Directory {
                 }
                 spans.push((format!("ranges {i} of {:?}", array.name), range.block_ranges, Some(blocks * 16)));
             }
+        }
+        if let Some(lattice) = &self.lattice {
+            spans.extend(lattice.spans(self)?);
         }
         Ok(spans)
     }

@@ -11,8 +11,8 @@ use glam::{DVec3, Vec3};
 use super::directory::{Directory, MAGIC, Span};
 use crate::cells::{CellKind, HEXAHEDRON, PYRAMID, TETRAHEDRON, WEDGE};
 use crate::columns::{
-    Array, ArrayRanges, BitColumn, Block, Bounds, Column, Dataset, Hexahedra, Neighbours, NumericColumn, Polyhedra,
-    SharedBytes, Tets, ValueRanges,
+    Array, ArrayRanges, Association, BitColumn, Block, Bounds, Column, Dataset, Hexahedra, Neighbours, NumericColumn,
+    Polyhedra, SharedBytes, Tets, ValueRanges,
 };
 use crate::error::{Error, Result, presentable, without_controls};
 use crate::io::mapping::bytes_of;
@@ -46,7 +46,7 @@ pub fn open(path: &Path, use_map: bool) -> Result<Dataset> {
     let directory = Directory::read((*bytes).as_ref(), path)?;
     let columns = Columns { bytes, path };
 
-    let (cells, vertices) = (directory.cells as usize, directory.vertices as usize);
+    let vertices = directory.vertices as usize;
     let [of_tets, of_hexahedra] = directory.by_kind().map(|cells| cells as usize);
     let positions = columns.of("positions", directory.positions)?;
     let words = columns.of("orientation", directory.orientation)?;
@@ -61,8 +61,10 @@ pub fn open(path: &Path, use_map: bool) -> Result<Dataset> {
     )
     .map_err(|error| columns.malformed("column tetrahedra", error.to_string()))?;
     let of_listed = directory.hexahedra.as_ref().and_then(|entry| entry.adjacency);
-    let hexahedra =
-        directory.hexahedra.map_or_else(|| Ok(Hexahedra::none()), |entry| entry.column(&columns.bytes, vertices));
+    let hexahedra = directory
+        .hexahedra
+        .as_ref()
+        .map_or_else(|| Ok(Hexahedra::none()), |entry| entry.column(&columns.bytes, vertices));
     let hexahedra = hexahedra.map_err(|error| columns.malformed("hexahedra", error.to_string()))?;
 
     let neighbours = |from_tet: Span| {
@@ -89,33 +91,7 @@ pub fn open(path: &Path, use_map: bool) -> Result<Dataset> {
         return Err(columns.malformed("column block_bounds", "there is nothing in any block".to_owned()));
     }
 
-    let mut arrays = Vec::with_capacity(directory.arrays.len());
-    let mut array_ranges = Vec::with_capacity(directory.arrays.len());
-    for entry in directory.arrays {
-        let size = entry.values.bytes / (tuples(&entry, cells, vertices) * entry.components).max(1);
-        let len = entry.values.bytes / size.max(1);
-        let shared = NumericColumn::shared(
-            &entry.number_type,
-            &entry.name,
-            Arc::clone(&columns.bytes),
-            entry.values.offset as usize,
-            len as usize,
-        );
-        let values = shared.ok().flatten().ok_or_else(|| wrong(&format!("array {:?}", entry.name), "not in place"))?;
-        let mut by_component = Vec::with_capacity(entry.ranges.len());
-        for range in &entry.ranges {
-            let [low, high] = range.range.unwrap_or([f64::INFINITY, f64::NEG_INFINITY]);
-            by_component.push(ValueRanges {
-                range: (low, high),
-                invalid: range.invalid_cells,
-                blocks: columns.of("ranges", range.block_ranges)?,
-            });
-        }
-        array_ranges.push(ArrayRanges { by_component });
-        let (association, components) = (entry.association, entry.components as usize);
-        arrays.push(Array { name: without_controls(entry.name), association, components, values });
-    }
-
+    let (arrays, array_ranges) = columns.arrays(&directory)?;
     Ok(Dataset {
         origin: DVec3::from_array(directory.origin),
         positions,
@@ -151,25 +127,54 @@ pub fn cells_by_kind(path: &Path, use_map: bool) -> Result<Vec<(&'static CellKin
     Ok(all.into_iter().filter(|&(_, cells)| cells > 0).collect())
 }
 
-fn tuples(entry: &super::directory::ArrayEntry, cells: usize, vertices: usize) -> u64 {
-    match entry.association {
-        crate::columns::Association::Point => vertices as u64,
-        crate::columns::Association::Cell => cells as u64,
-    }
-}
-
 /// The bytes of a container, of which columns are parts.
-struct Columns<'a> {
-    bytes: SharedBytes,
-    path: &'a Path,
+pub(super) struct Columns<'a> {
+    pub(super) bytes: SharedBytes,
+    pub(super) path: &'a Path,
 }
 
 impl Columns<'_> {
-    fn of<T: Pod>(&self, name: &str, span: Span) -> Result<Column<T>> {
+    /// The arrays, and what is known of their values.
+    pub(super) fn arrays(&self, directory: &Directory) -> Result<(Vec<Array>, Vec<ArrayRanges>)> {
+        let mut arrays = Vec::with_capacity(directory.arrays.len());
+        let mut array_ranges = Vec::with_capacity(directory.arrays.len());
+        for entry in &directory.arrays {
+            let tuples = match entry.association {
+                Association::Point => directory.vertices,
+                Association::Cell => directory.cells,
+            };
+            let size = entry.values.bytes / (tuples * entry.components).max(1);
+            let len = entry.values.bytes / size.max(1);
+            let shared = NumericColumn::shared(
+                &entry.number_type,
+                &entry.name,
+                Arc::clone(&self.bytes),
+                entry.values.offset as usize,
+                len as usize,
+            );
+            let not_in_place = || self.malformed(&format!("array {:?}", entry.name), "not in place".to_owned());
+            let values = shared.ok().flatten().ok_or_else(not_in_place)?;
+            let mut by_component = Vec::with_capacity(entry.ranges.len());
+            for range in &entry.ranges {
+                let [low, high] = range.range.unwrap_or([f64::INFINITY, f64::NEG_INFINITY]);
+                by_component.push(ValueRanges {
+                    range: (low, high),
+                    invalid: range.invalid_cells,
+                    blocks: self.of("ranges", range.block_ranges)?,
+                });
+            }
+            array_ranges.push(ArrayRanges { by_component });
+            let (association, components) = (entry.association, entry.components as usize);
+            arrays.push(Array { name: without_controls(entry.name.clone()), association, components, values });
+        }
+        Ok((arrays, array_ranges))
+    }
+
+    pub(super) fn of<T: Pod>(&self, name: &str, span: Span) -> Result<Column<T>> {
         span.column(name, &self.bytes).map_err(|error| self.malformed(&format!("column {name}"), error.to_string()))
     }
 
-    fn malformed(&self, place: &str, problem: String) -> Error {
+    pub(super) fn malformed(&self, place: &str, problem: String) -> Error {
         let (place, problem) = (presentable(place.to_owned()), presentable(problem));
         Error::Malformed { path: self.path.to_owned(), place, problem }
     }

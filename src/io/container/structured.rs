@@ -6,12 +6,13 @@ use std::path::Path;
 
 use super::cells::append_values;
 use super::directory::{ArrayEntry, Directory, HexahedraEntry};
+use super::octree::LatticeEntry;
 use super::order::Tell;
 use super::ranges::{self, Cells};
 use super::sink::Sink;
 use super::write::{Phase, Written, check_machine, finish};
 use crate::atomic::AtomicFile;
-use crate::columns::{Array, ArrayHead, Dataset, HexShape, StructuredCells};
+use crate::columns::{Array, ArrayHead, Dataset, HexShape, StructuredCells, Volume};
 use crate::error::Result;
 
 /// Tuples whose values are gathered at once.
@@ -39,6 +40,11 @@ const TUPLES_AT_ONCE: usize = 1 << 18;
 /// # Ok::<(), cellfan::Error>(())
 /// ```
 pub fn write_structured(cells: StructuredCells, path: &Path, tell: Tell) -> Result<Written> {
+    write(cells, None, path, tell)
+}
+
+/// The same, beside them the octrees of the regular grid that they are the cells of.
+pub(super) fn write(cells: StructuredCells, grid: Option<&Volume>, path: &Path, tell: Tell) -> Result<Written> {
     check_machine(path)?;
     let dataset = Dataset::from_structured(cells)?;
     let mut file = AtomicFile::create(path)?;
@@ -70,6 +76,7 @@ pub fn write_structured(cells: StructuredCells, path: &Path, tell: Tell) -> Resu
         tell(Phase::Ranges, i as u64 + 1, count);
     }
 
+    let lattice = grid.map(|grid| LatticeEntry::write(grid, &arrays, &mut sink, tell)).transpose()?;
     let directory = Directory {
         cell_kind: Directory::MIXED.to_owned(),
         cells,
@@ -85,6 +92,7 @@ pub fn write_structured(cells: StructuredCells, path: &Path, tell: Tell) -> Resu
         block_bounds,
         adjacency: None,
         arrays,
+        lattice,
     };
     let file_bytes = finish(&directory, path, sink)?;
     file.commit()?;

@@ -1,4 +1,5 @@
 mod adjacency;
+mod octree;
 mod whole;
 
 use std::fs;

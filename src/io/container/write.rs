@@ -46,6 +46,8 @@ pub enum Phase {
     Neighbours,
     /// Finding the ranges of the arrays.
     Ranges,
+    /// Building the octrees over the arrays of a regular grid.
+    Octrees,
 }
 
 /// What was written.
@@ -136,6 +138,7 @@ pub fn write(source: &dyn CellSource, path: &Path, options: &WriteOptions, tell:
         block_bounds,
         adjacency,
         arrays,
+        lattice: None,
     };
     let file_bytes = finish(&directory, path, sink)?;
     file.commit()?;

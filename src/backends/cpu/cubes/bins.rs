@@ -15,6 +15,8 @@ use crate::stages::{CubesInView, SceneVertex, ScreenVertex, View};
 #[derive(Clone, Copy)]
 pub(in crate::backends::cpu) struct BinnedCube {
     pub(super) cube: Cube,
+    /// Its place among the cubes of the frame.
+    pub(super) number: u32,
     pub(super) pixels: PixelBox,
 }
 
@@ -48,11 +50,12 @@ impl CubeBins {
         let boxes = CubeBoxes::new(cubes, view, grid);
         self.runs.resize_with(cubes.cubes.len().div_ceil(per_run), Run::default);
         let runs = self.runs.par_iter_mut().zip(cubes.cubes.par_chunks(per_run));
-        runs.map(|(run, some)| {
-            run.fill(some, &boxes, grid);
-            run.cubes.len() as u64
-        })
-        .sum()
+        runs.enumerate()
+            .map(|(i, (run, some))| {
+                run.fill((i * per_run, some), &boxes, grid);
+                run.cubes.len() as u64
+            })
+            .sum()
     }
 
     /// Puts the cubes of a tile, nearest first, into `nearest_first`.
@@ -72,13 +75,14 @@ impl CubeBins {
 }
 
 impl Run {
-    fn fill(&mut self, cubes: &[Cube], boxes: &CubeBoxes, grid: &TileGrid) {
+    /// With cubes of which the first is that of number `first`.
+    fn fill(&mut self, (first, cubes): (usize, &[Cube]), boxes: &CubeBoxes, grid: &TileGrid) {
         self.cubes.clear();
         self.first_of_tile.clear();
         self.first_of_tile.resize(grid.len() + 1, 0);
-        for &cube in cubes {
+        for (number, &cube) in (first as u32..).zip(cubes) {
             if let Some(pixels) = boxes.of(&cube) {
-                self.cubes.push(BinnedCube { cube, pixels });
+                self.cubes.push(BinnedCube { cube, number, pixels });
                 TileBox::around(pixels).tiles(grid).for_each(|tile| self.first_of_tile[tile] += 1);
             }
         }

@@ -4,9 +4,10 @@
 //! pixel box, in the order of the cubes. `tile`: a ray in grid coordinates crosses plane x = i at the depth (i − o)/d, o its origin and d
 //! its direction along x: six such depths a cube and ray, no set-up, no case, no cut at the near plane, the eye anywhere. Planes that
 //! cubes share give both the same bits, so that segments meet. Cubes come in order: nothing is sorted or checked; nearest first, a
-//! block ends when nothing shows through.
+//! block ends when nothing shows through. `linear`: values between points along a ray.
 
 mod bins;
+mod linear;
 mod tile;
 
 use std::sync::Mutex;

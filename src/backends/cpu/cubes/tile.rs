@@ -7,6 +7,7 @@
 use glam::{DVec3, Vec3};
 
 use super::bins::BinnedCube;
+use super::linear::{LinearCube, TOLERANCE};
 use crate::backends::Frame;
 use crate::backends::cpu::tile::{BLOCK, BLOCKS, BLOCKS_A_SIDE};
 use crate::columns::GridEye;
@@ -46,13 +47,24 @@ impl CubeRays {
 
 /// The rays of a 4×4 block of pixels.
 #[derive(Clone, Copy)]
-struct BlockRays {
+pub(super) struct BlockRays {
     /// Where they start, along each axis of the grid.
-    origin: [Lanes; 3],
+    pub(super) origin: [Lanes; 3],
+    /// Steps along each axis per unit of view depth.
+    pub(super) step: [Lanes; 3],
     /// View depth per step along each axis.
     depth_per_step: [Lanes; 3],
     /// World length per unit of view depth.
     length_world: Lanes,
+}
+
+/// The ways of rays through a box.
+pub(super) struct Crossing {
+    /// View depths; where a ray misses the box, in any order.
+    pub(super) enter: Lanes,
+    pub(super) leave: Lanes,
+    /// 0 where it does.
+    pub(super) length_world: Lanes,
 }
 
 /// A tile at work.
@@ -69,7 +81,8 @@ pub(in crate::backends::cpu) struct CubeTile {
 impl Default for CubeTile {
     fn default() -> Self {
         let nothing = [0.0; LANES];
-        let rays = BlockRays { origin: [nothing; 3], depth_per_step: [nothing; 3], length_world: nothing };
+        let rays =
+            BlockRays { origin: [nothing; 3], step: [nothing; 3], depth_per_step: [nothing; 3], length_world: nothing };
         Self {
             rays: vec![rays; BLOCKS],
             sums: Box::new([[nothing; 4]; BLOCKS]),
@@ -101,6 +114,7 @@ impl CubeTile {
                 for axis in 0..3 {
                     let step = if along[axis].abs() < STEP_MIN { STEP_MIN } else { along[axis] };
                     of_block.origin[axis][lane] = from[axis];
+                    of_block.step[axis][lane] = along[axis];
                     of_block.depth_per_step[axis][lane] = 1.0 / step;
                 }
                 of_block.length_world[lane] = length(x + f64::from(column), y + f64::from(row));
@@ -126,15 +140,20 @@ impl CubeTile {
         nearest_first: &[BinnedCube],
     ) {
         let (near, far) = (frame.view.near, frame.view.far);
+        let corners = frame.cubes.and_then(|cubes| cubes.corners);
+        let (low, high) = frame.field.range;
+        let tolerance = TOLERANCE * (high - low) as f32;
         // Blocks through which nothing shows any more, a bit each.
         let mut done = 0_u64;
-        for &BinnedCube { cube, pixels } in nearest_first {
+        for &BinnedCube { cube, number, pixels } in nearest_first {
             if done == u64::MAX {
                 break;
             }
             let ends = cube.samples(self.dims).map(|end| end.map(|end| end as f32));
             let length_max = self.diagonal_world * (1_u32 << cube.level) as f32;
-            let span = CellSpan::new(frame.intervals(), cube.value, cube.value).within(length_max);
+            let linear = corners.map(|corners| LinearCube::new(corners.of(&cube), ends, tolerance));
+            let [least, greatest] = linear.as_ref().map_or([cube.value; 2], |linear| linear.range);
+            let span = CellSpan::new(frame.intervals(), least, greatest).within(length_max).of_cell(number as usize);
             let blocks = |first: u16, end: u16, origin: u32| {
                 let side = (BLOCKS_A_SIDE * BLOCK) as u32;
                 let (first, end) = (u32::from(first).max(origin) - origin, u32::from(end).min(origin + side) - origin);
@@ -147,12 +166,27 @@ impl CubeTile {
                     if done >> block & 1 == 1 {
                         continue;
                     }
-                    let Some(segments) = self.rays[block].through(ends, [near, far], cube.value) else { continue };
-                    let mut added = [[[0.0; LANES]; 4]];
-                    optics.contributions(span, &[segments], &mut added);
-                    let [added] = added;
-                    if self.add::<O>(block, &added, frame.stop_transmittance) {
-                        done |= 1 << block;
+                    let rays = self.rays[block];
+                    let Some(crossing) = rays.through(ends, [near, far]) else { continue };
+                    let mut add = |segments: Segments| {
+                        let mut added = [[[0.0; LANES]; 4]];
+                        optics.contributions(span, &[segments], &mut added);
+                        let [added] = added;
+                        if self.add::<O>(block, &added, frame.stop_transmittance) {
+                            done |= 1 << block;
+                        }
+                    };
+                    let Some(linear) = &linear else {
+                        let value = [cube.value; LANES];
+                        add(Segments { enter: value, leave: value, length_world: crossing.length_world });
+                        continue;
+                    };
+                    let ends = linear.ends(&rays, &crossing);
+                    let mut enter = linear.values(&ends, 0.0);
+                    for part in 0..linear.parts {
+                        let segments = linear.segments(&ends, &crossing, (part, enter));
+                        enter = segments.leave;
+                        add(segments);
                     }
                 }
             }
@@ -188,9 +222,9 @@ impl CubeTile {
 }
 
 impl BlockRays {
-    /// The segments of the rays in a box between two grid points, from the near to the far plane; none where all miss it.
+    /// The ways of the rays through a box between two grid points, from the near to the far plane; none where all miss it.
     #[inline(always)]
-    fn through(&self, [low, high]: [[f32; 3]; 2], [near, far]: [f32; 2], value: f32) -> Option<Segments> {
+    fn through(&self, [low, high]: [[f32; 3]; 2], [near, far]: [f32; 2]) -> Option<Crossing> {
         let (mut enter, mut leave) = ([near; LANES], [far; LANES]);
         for axis in 0..3 {
             for i in 0..LANES {
@@ -206,6 +240,6 @@ impl BlockRays {
             length_world[i] = max(leave[i] - enter[i], 0.0) * self.length_world[i];
             longest = max(length_world[i], longest);
         }
-        (longest > 0.0).then_some(Segments { enter: [value; LANES], leave: [value; LANES], length_world })
+        (longest > 0.0).then_some(Crossing { enter, leave, length_world })
     }
 }
