@@ -3,6 +3,9 @@
 //! In: a [`CancelToken`] that any thread may set, a callback. Out: [`Error::Cancelled`]; calls with the share that is done. Loops over
 //! chunks of cells, tiles and cells of a tile look at the token; what they leave undone is thrown away by whoever called them.
 
+#[cfg(all(test, unix))]
+pub(crate) mod looks;
+
 use std::fmt;
 use std::sync::Arc;
 use std::sync::Mutex;
@@ -73,13 +76,17 @@ impl Control {
     ///
     /// # Errors
     /// [`Error::Cancelled`].
+    #[cfg_attr(all(test, unix), track_caller)]
     pub fn check(&self) -> Result<()> {
         if self.is_cancelled() { Err(Error::Cancelled) } else { Ok(()) }
     }
 
     /// Whether the picture at hand is to end.
     #[inline]
+    #[cfg_attr(all(test, unix), track_caller)]
     pub(crate) fn is_cancelled(&self) -> bool {
+        #[cfg(all(test, unix))]
+        looks::look();
         if self.cancel.is_cancelled() {
             self.is_ending.store(true, Ordering::Relaxed);
         }

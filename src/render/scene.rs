@@ -6,6 +6,7 @@ use super::band_arrays::BandArrays;
 use super::opaque::Lists;
 use crate::backends::scene_bytes;
 use crate::columns::{Dataset, Field};
+use crate::control::Control;
 use crate::error::Result;
 use crate::geometry::{Layer, SurfaceFaces, TriangleMesh, triangles};
 use crate::image::DepthImage;
@@ -15,7 +16,7 @@ use crate::stages::SceneVertex;
 use crate::stages::project::scene_vertices;
 use crate::stages::sort::SortKey;
 use crate::stages::sort::adjacency::Adjacency;
-use crate::stages::sort::delaunay::best_key;
+use crate::stages::sort::delaunay::best_key_while;
 use crate::stages::sort::overlaps::overlapping_faces;
 
 /// A mesh, the scalar drawn on it, and what the scalar looks like.
@@ -200,14 +201,15 @@ impl Scene {
         scene + self.band_bytes() + adjacency + self.lists.bytes() + triangles + external
     }
 
-    /// The key that orders the mesh best; found at the first call.
-    pub(super) fn best_key(&self) -> SortKey {
-        *self.best_key.get_or_init(|| best_key(&self.dataset))
+    /// The key that orders the mesh best; found at the first call. None where the end is asked for before.
+    pub(super) fn best_key(&self, control: &Control) -> Option<SortKey> {
+        found(&self.best_key, control, || best_key_while(control, &self.dataset)).copied()
     }
 
-    /// Which cells share a face; taken from the dataset or made at the first call.
-    pub(super) fn adjacency(&self, profile: &mut Profile) -> &Adjacency {
-        self.adjacency.get_or_init(|| profile.time("adjacency", || Adjacency::new(&self.dataset)))
+    /// Which cells share a face; taken from the dataset or made at the first call. None where the end is asked for before.
+    pub(super) fn adjacency(&self, control: &Control, profile: &mut Profile) -> Option<&Adjacency> {
+        let make = || profile.time("adjacency", || Adjacency::new_while(control, &self.dataset));
+        found(&self.adjacency, control, make)
     }
 
     /// The same where it is there already.
@@ -216,11 +218,9 @@ impl Scene {
     }
 
     /// Faces at which cells overlap; counted at the first call.
-    pub(super) fn overlapping_faces(&self, profile: &mut Profile) -> u64 {
-        *self.overlapping_faces.get_or_init(|| {
-            let adjacency = self.adjacency(profile);
-            profile.time("adjacency", || overlapping_faces(&self.dataset, adjacency))
-        })
+    pub(super) fn overlapping_faces(&self, adjacency: &Adjacency, profile: &mut Profile) -> u64 {
+        let count = || profile.time("adjacency", || overlapping_faces(&self.dataset, adjacency));
+        *self.overlapping_faces.get_or_init(count)
     }
 
     /// What the arrays of bands take of that.
@@ -242,4 +242,13 @@ impl Scene {
         self.pieces = transfer.pieces(self.field.offset);
         self.transfer = transfer.clone();
     }
+}
+
+/// What `cell` holds, made where it holds nothing; what was made in part, since the end was asked for meanwhile, is not kept.
+fn found<'a, T>(cell: &'a OnceLock<T>, control: &Control, make: impl FnOnce() -> T) -> Option<&'a T> {
+    if let Some(found) = cell.get() {
+        return Some(found);
+    }
+    let made = make();
+    (!control.is_cancelled()).then(|| cell.get_or_init(|| made))
 }
