@@ -1,5 +1,7 @@
 """A renderer in float64, ray by ray and triangle by triangle, which shares nothing with cellfan."""
 
+import itertools
+
 import numpy as np
 
 #: Faces by corners, in VTK's order.
@@ -81,7 +83,7 @@ def over(transfer, length, s0, s1):
     def look(at):
         return np.stack([np.interp(s0 + at * (s1 - s0), knots, table[:, k]) for k in range(4)], axis=-1)
 
-    for begin, end in zip(t, t[1:]):
+    for begin, end in itertools.pairwise(t):
         if end <= begin:
             continue
         k0, k1 = look(np.array([begin, end]))[:, 3]
@@ -100,7 +102,9 @@ def render(points, cells, values, transfer, camera, *, of_cells=False):
     origins, directions = rays(camera)
     found = [[] for _ in origins]
     for nth, (code, cell) in enumerate(cells):
-        near, far, s_near, s_far = segments(points, values[nth] if of_cells else values, code, list(cell), origins, directions)
+        near, far, s_near, s_far = segments(
+            points, values[nth] if of_cells else values, code, list(cell), origins, directions
+        )
         for ray in np.flatnonzero(~np.isnan(near)):
             found[ray].append((near[ray], far[ray], s_near[ray], s_far[ray]))
     image = np.zeros((len(origins), 4))

@@ -34,7 +34,11 @@ MESHES = {
     "no point": ((POINTS[:0], CELLS), {}, "only 0 points"),
     "not a number": ((changed(POINTS, (3, 1), np.nan), CELLS), {}, "not finite"),
     "infinite": ((changed(POINTS, (3, 1), np.inf), CELLS), {}, "not finite"),
-    "a short axis": ((tuple(axis[nth:] for nth, axis in enumerate(np.ascontiguousarray(POINTS.T))), CELLS), {}, "coordinates"),
+    "a short axis": (
+        (tuple(axis[nth:] for nth, axis in enumerate(np.ascontiguousarray(POINTS.T))), CELLS),
+        {},
+        "coordinates",
+    ),
     "index out of range": ((POINTS, changed(CELLS, (5, 2), 999)), {}, "cell 5 refers to point 999"),
     "negative index": ((POINTS, changed(CELLS.astype(np.int64), (5, 2), -3)), {}, "cell 5 refers to point -3"),
     "negative narrow index": ((POINTS, changed(CELLS.astype(np.int16), (5, 2), -3)), {}, "cell 5 refers to point -3"),
@@ -102,7 +106,17 @@ def test_updates_that_are_none():
         for on in ("cells", "faces"):
             with pytest.raises(cellfan.Error):
                 drawn.update_scalars(VALUES, on)
-        for points in (None, "a", POINTS[1:], POINTS[:, :2], POINTS * np.nan, POINTS * 0, POINTS.astype(object), np.zeros((3, 3)), [POINTS] * 3):
+        for points in (
+            None,
+            "a",
+            POINTS[1:],
+            POINTS[:, :2],
+            POINTS * np.nan,
+            POINTS * 0,
+            POINTS.astype(object),
+            np.zeros((3, 3)),
+            [POINTS] * 3,
+        ):
             with pytest.raises(cellfan.Error):
                 drawn.update_positions(points)
         assert np.array_equal(drawn.render(size=(24, 18)).array, expected)
@@ -110,7 +124,14 @@ def test_updates_that_are_none():
 
 def test_pictures_that_are_none():
     with session(point_data=VALUES) as drawn:
-        for keywords in ({"model": "glow"}, {"sort": "bogo"}, {"transfer": "jet"}, {"memory_bytes": 1}, {"size": (0, 5)}, {"size": (10**6, 5)}):
+        for keywords in (
+            {"model": "glow"},
+            {"sort": "bogo"},
+            {"transfer": "jet"},
+            {"memory_bytes": 1},
+            {"size": (0, 5)},
+            {"size": (10**6, 5)},
+        ):
             with pytest.raises(cellfan.Error):
                 drawn.render(**keywords)
         for keywords in ({"camera": "front"}, {"transfer": 3}, {"progress": 3}, {"size": 5}, {"memory_bytes": "much"}):
@@ -132,7 +153,11 @@ def test_cameras_that_are_none():
     ]:
         with pytest.raises(cellfan.Error):
             cellfan.Camera(*arguments, **keywords)
-    for arguments, keywords in [((None, (0, 0, 0)), {}), (((0, 0), (0, 0, 0)), {}), (((5, 0, 0), (0, 0, 0)), {"size": (-1, 10)})]:
+    for arguments, keywords in [
+        ((None, (0, 0, 0)), {}),
+        (((0, 0), (0, 0, 0)), {}),
+        (((5, 0, 0), (0, 0, 0)), {"size": (-1, 10)}),
+    ]:
         with pytest.raises((TypeError, ValueError, OverflowError)):
             cellfan.Camera(*arguments, **keywords)
     with pytest.raises(cellfan.Error):
@@ -140,7 +165,16 @@ def test_cameras_that_are_none():
 
 
 def test_transfer_functions_that_are_none():
-    for points in ([], [(0, (1, 1, 1), -1)], [(0, (1, 1, 1), np.nan)], [(1, (1, 1, 1), 1), (0, (1, 1, 1), 1)], [(0, 1)], [None], ["a"], [(0, "red", 1)]):
+    for points in (
+        [],
+        [(0, (1, 1, 1), -1)],
+        [(0, (1, 1, 1), np.nan)],
+        [(1, (1, 1, 1), 1), (0, (1, 1, 1), 1)],
+        [(0, 1)],
+        [None],
+        ["a"],
+        [(0, "red", 1)],
+    ):
         with pytest.raises(cellfan.Error):
             cellfan.Transfer(points)
     with pytest.raises(TypeError):
@@ -183,13 +217,24 @@ def test_the_compiled_part_checks_for_itself():
     for cells in (CELLS[:, ::-1], CELLS.astype(np.int8), CELLS.astype(float), "cells"):
         with pytest.raises(cellfan.Error):
             core((POINTS, cells, None, None, 10, None), None, None, 1)
-    for of, scalars in (("points", VALUES[::-1]), ("points", VALUES.astype(bool)), ("faces", VALUES), (None, VALUES), ("cells", VALUES)):
+    for of, scalars in (
+        ("points", VALUES[::-1]),
+        ("points", VALUES.astype(bool)),
+        ("faces", VALUES),
+        (None, VALUES),
+        ("cells", VALUES),
+    ):
         with pytest.raises(cellfan.Error):
             core((POINTS, CELLS, None, None, 10, None), of, scalars, 1)
     for kind in (3, 42, 255):
         with pytest.raises(cellfan.Error):
             core((POINTS, CELLS, None, None, kind, None), None, None, 1)
-    for arguments in ((), (None, None, None, 1), ((POINTS,), None, None, 1), ((POINTS, CELLS, None, None, 10, None), None, None, -1)):
+    for arguments in (
+        (),
+        (None, None, None, 1),
+        ((POINTS,), None, None, 1),
+        ((POINTS, CELLS, None, None, 10, None), None, None, -1),
+    ):
         with pytest.raises((TypeError, OverflowError)):
             core(*arguments)
 

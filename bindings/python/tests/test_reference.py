@@ -7,7 +7,14 @@ import cellfan
 import meshes
 import reference
 
-SMOOTH = cellfan.Transfer([(0.0, (0.9, 0.2, 0.1), 0.5), (0.35, (0.2, 0.7, 0.3), 6.0), (0.6, (0.1, 0.3, 0.9), 1.0), (1.0, (1.0, 0.9, 0.5), 9.0)])
+SMOOTH = cellfan.Transfer(
+    [
+        (0.0, (0.9, 0.2, 0.1), 0.5),
+        (0.35, (0.2, 0.7, 0.3), 6.0),
+        (0.6, (0.1, 0.3, 0.9), 1.0),
+        (1.0, (1.0, 0.9, 0.5), 9.0),
+    ]
+)
 SIZE = (32, 24)
 
 
@@ -15,7 +22,10 @@ def assert_close(image, expected):
     difference = np.abs(image.array.astype(np.float64) - expected)
     covered = (expected[..., 3] > 0) | (image.array[..., 3] > 0)
     assert covered.sum() > 150
-    assert difference[covered].mean() <= 1e-4 and difference.max() <= 2e-3, (difference[covered].mean(), difference.max())
+    assert difference[covered].mean() <= 1e-4 and difference.max() <= 2e-3, (
+        difference[covered].mean(),
+        difference.max(),
+    )
 
 
 def pictures(mesh, cells, values, of_cells=False):
@@ -61,7 +71,14 @@ def test_cells_of_several_kinds():
         cells += {
             0: [(13, (a, b, c, e, f, g)), (13, (a, c, d, e, g, h))],
             2: [(14, (a, d, c, b, g)), (14, (a, b, f, e, g)), (14, (a, e, h, d, g))],
-            5: [(10, (a, b, c, g)), (10, (a, c, d, g)), (10, (a, d, h, g)), (10, (a, h, e, g)), (10, (a, e, f, g)), (10, (a, f, b, g))],
+            5: [
+                (10, (a, b, c, g)),
+                (10, (a, c, d, g)),
+                (10, (a, d, h, g)),
+                (10, (a, h, e, g)),
+                (10, (a, e, f, g)),
+                (10, (a, f, b, g)),
+            ],
         }.get(nth, [(12, (a, b, c, d, e, f, g, h))])
     types = np.array([code for code, _ in cells], dtype=np.uint8)
     offsets = np.cumsum([0] + [len(cell) for _, cell in cells])
@@ -81,10 +98,14 @@ def test_the_comparison_can_fail():
 
 
 def test_a_slab_has_its_closed_form():
-    cube = cellfan.Mesh(meshes.lattice(1, bend=0) * 0 + np.stack(np.meshgrid([0, 1], [0, 1], [0, 1], indexing="ij")[::-1], axis=-1))
+    cube = cellfan.Mesh(
+        meshes.lattice(1, bend=0) * 0 + np.stack(np.meshgrid([0, 1], [0, 1], [0, 1], indexing="ij")[::-1], axis=-1)
+    )
     camera = cellfan.Camera((5, 0.5, 0.5), (0.5, 0.5, 0.5), size=(9, 9), orthographic_height=0.5)
     image = cellfan.render(cube, camera=camera, transfer=cellfan.Transfer.constant((1, 0.5, 0), 2.0))
     alpha = 1 - np.exp(-2.0)
     assert np.allclose(image.array, [alpha, alpha / 2, 0, alpha], atol=1e-6)
-    absorption = cellfan.render(cube, camera=camera, transfer=cellfan.Transfer.constant((1, 0.5, 0), 2.0), model="absorption")
+    absorption = cellfan.render(
+        cube, camera=camera, transfer=cellfan.Transfer.constant((1, 0.5, 0), 2.0), model="absorption"
+    )
     assert np.allclose(absorption.array, np.exp([-2.0, -1.0, 0.0, -2.0]), atol=1e-6)

@@ -47,7 +47,11 @@ def test_what_a_mesh_copies_is_said():
     assert mesh_of(np.asfortranarray(points), cells, values).copied == ("points",)
     assert mesh_of(points, cells[:, ::-1], values).copied == ("connectivity",)
     assert mesh_of(points, cells, values[::-1]).copied == ("value",)
-    assert mesh_of(points.astype(">f4"), cells.astype(np.uint16), values.astype(np.float16)).copied == ("points", "connectivity", "value")
+    assert mesh_of(points.astype(">f4"), cells.astype(np.uint16), values.astype(np.float16)).copied == (
+        "points",
+        "connectivity",
+        "value",
+    )
     assert cellfan.Mesh(points[::2][:8], dims=(2, 2, 2)).copied == ("points",)
 
 
@@ -58,10 +62,23 @@ def test_layouts_give_the_same_picture():
     offsets, types = np.arange(0, 4 * len(cells) + 1, 4), np.full(len(cells), 10, np.uint8)
     layouts = [
         cellfan.Mesh((x, y, z), cells, point_data=values),
-        cellfan.Mesh(tuple(axis.astype(np.float64) for axis in (x, y, z)), cells.reshape(-1), kind="tetrahedron", point_data=values),
+        cellfan.Mesh(
+            tuple(axis.astype(np.float64) for axis in (x, y, z)),
+            cells.reshape(-1),
+            kind="tetrahedron",
+            point_data=values,
+        ),
         cellfan.Mesh(points.tolist(), cells.tolist(), point_data=values.tolist()),
-        cellfan.Mesh(points.astype(np.float64), cells.astype(np.int64).reshape(-1), offsets, types, point_data=values.astype(">f8")),
-        cellfan.Mesh(points[:, [0, 1, 2]], cells.astype(np.int32)[:, [0, 1, 2, 3]], point_data=np.repeat(values, 2)[::2]),
+        cellfan.Mesh(
+            points.astype(np.float64),
+            cells.astype(np.int64).reshape(-1),
+            offsets,
+            types,
+            point_data=values.astype(">f8"),
+        ),
+        cellfan.Mesh(
+            points[:, [0, 1, 2]], cells.astype(np.int32)[:, [0, 1, 2, 3]], point_data=np.repeat(values, 2)[::2]
+        ),
     ]
     for mesh in layouts:
         assert np.abs(cellfan.render(mesh, size=(80, 60)).array - expected).max() < 1e-4
@@ -104,11 +121,17 @@ def test_changes_give_the_picture_of_a_new_session():
         again = session.render(camera, transfer)
         assert "sort" not in again.stats["stages_ms"]
         session.update_scalars(of_cells)
-        assert np.array_equal(session.render(camera, transfer).array, new(points, cell_data=of_cells).render(camera, transfer).array)
+        assert np.array_equal(
+            session.render(camera, transfer).array, new(points, cell_data=of_cells).render(camera, transfer).array
+        )
         session.update_positions(moved)
-        assert np.array_equal(session.render(camera, transfer).array, new(moved, cell_data=of_cells).render(camera, transfer).array)
+        assert np.array_equal(
+            session.render(camera, transfer).array, new(moved, cell_data=of_cells).render(camera, transfer).array
+        )
         session.update_positions(tuple(np.ascontiguousarray(points.T)))
-        assert np.array_equal(session.render(camera, transfer).array, new(points, cell_data=of_cells).render(camera, transfer).array)
+        assert np.array_equal(
+            session.render(camera, transfer).array, new(points, cell_data=of_cells).render(camera, transfer).array
+        )
         session.update_topology(cellfan.Mesh(meshes.lattice(3), point_data=meshes.values(meshes.lattice(3))))
         assert session.counts["cells"] == 27 and session.render(camera, transfer).stats["drawn"] == 27
     assert session.is_closed
@@ -118,7 +141,9 @@ def test_vectors_are_drawn_by_magnitude_or_component():
     points, cells, values = SMALL
     vectors = np.stack([values, -2 * values, 0.5 * values], axis=-1)
     mesh = cellfan.Mesh(points, cells, point_data={"v": vectors})
-    assert cellfan.Session(mesh).value_range == pytest.approx((np.linalg.norm(vectors, axis=1).min(), np.linalg.norm(vectors, axis=1).max()))
+    assert cellfan.Session(mesh).value_range == pytest.approx(
+        (np.linalg.norm(vectors, axis=1).min(), np.linalg.norm(vectors, axis=1).max())
+    )
     assert cellfan.Session(mesh, component=1).value_range == pytest.approx((-2 * values.max(), -2 * values.min()))
     with pytest.raises(cellfan.Error, match="no component 3"):
         cellfan.Session(mesh, component=3)

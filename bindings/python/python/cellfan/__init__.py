@@ -10,7 +10,7 @@
 ``render`` draws one picture. A ``Session`` draws many of one mesh and keeps what does not change between them.
 """
 
-from ._cellfan import Camera, CancelToken, Cancelled, Error, Image, Transfer, __version__
+from ._cellfan import Camera, Cancelled, CancelToken, Error, Image, Transfer, __version__
 from ._mesh import Mesh
 from ._session import Session, render
 from ._vtk import from_pyvista

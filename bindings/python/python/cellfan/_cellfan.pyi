@@ -1,14 +1,14 @@
-from os import PathLike
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, final
+from os import PathLike
+from typing import Any, TypeAlias, final
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 __version__: str
 
-_Vector = tuple[float, float, float]
-_Box = tuple[float, float, float, float, float, float]
+_Vector: TypeAlias = tuple[float, float, float]
+_Box: TypeAlias = tuple[float, float, float, float, float, float]
 
 class Error(ValueError): ...
 class Cancelled(Error): ...
@@ -99,9 +99,7 @@ class SessionCore:
     ) -> SessionCore: ...
     def update_scalars(self, association: str, scalars: NDArray[Any]) -> None: ...
     def update_positions(self, points: Any) -> None: ...
-    def update_topology(
-        self, mesh: tuple[Any, ...], association: str | None, scalars: NDArray[Any] | None
-    ) -> None: ...
+    def update_topology(self, mesh: tuple[Any, ...], association: str | None, scalars: NDArray[Any] | None) -> None: ...
     def render(
         self,
         camera: Camera,

@@ -54,7 +54,7 @@ class Mesh:
         cell_data: Data = None,
     ) -> None:
         copied: list[str] = []
-        self.points, of_shape = _points(points, copied)
+        self.points, of_shape = positions(points, copied)
         if connectivity is None and dims is None:
             dims = of_shape
         self.connectivity = _indices("connectivity", connectivity, copied)
@@ -95,7 +95,9 @@ class Mesh:
         return self.points, self.connectivity, self.offsets, self.types, self.kind, self.dims
 
     def __repr__(self) -> str:
-        return f"<cellfan.Mesh {self.n_points} points, {self.n_cells} cells, data {[*self.point_data, *self.cell_data]}>"
+        return (
+            f"<cellfan.Mesh {self.n_points} points, {self.n_cells} cells, data {[*self.point_data, *self.cell_data]}>"
+        )
 
 
 def scalar(name: str, values: np.ndarray, component: int | None = None) -> np.ndarray:
@@ -105,7 +107,7 @@ def scalar(name: str, values: np.ndarray, component: int | None = None) -> np.nd
             raise Error(f"array {name!r} has one component; there is no component {component}")
         return values
     if component is None:
-        return np.linalg.norm(values.reshape(len(values), -1), axis=1)
+        return np.asarray(np.linalg.norm(values.reshape(len(values), -1), axis=1))
     try:
         return np.ascontiguousarray(values.reshape(len(values), -1)[:, component])
     except IndexError:
@@ -117,7 +119,7 @@ def numeric(name: str, values: ArrayLike) -> np.ndarray:
     if values is None:
         raise Error(f"{name}: None is no array")
     if isinstance(values, np.ma.MaskedArray):
-        values = values.astype(np.float64).filled(np.nan)
+        values = np.ma.filled(values.astype(np.float64), np.nan)
     try:
         array = np.asarray(values)
     except ValueError as error:
@@ -127,7 +129,9 @@ def numeric(name: str, values: ArrayLike) -> np.ndarray:
     return array
 
 
-def in_place(name: str, values: ArrayLike, array: np.ndarray, dtype: Any, copied: list[str] | None = None) -> np.ndarray:
+def in_place(
+    name: str, values: ArrayLike, array: np.ndarray, dtype: Any, copied: list[str] | None = None
+) -> np.ndarray:
     """``array``, which is ``values``, of ``dtype`` and in the layout that is drawn; itself where it is so."""
     out = np.require(array, dtype, ["C", "A"])
     if copied is not None and (out is not array or not isinstance(values, np.ndarray)):
@@ -158,11 +162,13 @@ def _indices(name: str, values: ArrayLike | None, copied: list[str]) -> np.ndarr
 def real(name: str, values: ArrayLike, copied: list[str] | None = None) -> np.ndarray:
     """Coordinates: float32 stays, all else is float64."""
     array = numeric(name, values)
-    return in_place(name, values, array, np.float32 if array.dtype.kind == "f" and array.itemsize == 4 else np.float64, copied)
+    return in_place(
+        name, values, array, np.float32 if array.dtype.kind == "f" and array.itemsize == 4 else np.float64, copied
+    )
 
 
-def _points(points: Any, copied: list[str]) -> tuple[Any, tuple[int, ...] | None]:
-    """The points, and the dimensions that their shape says."""
+def positions(points: Any, copied: list[str]) -> tuple[Any, tuple[int, ...] | None]:
+    """The points, one array or an axis an array, and the dimensions that their shape says."""
     if isinstance(points, (tuple, list)) and len(points) == 3 and all(isinstance(axis, np.ndarray) for axis in points):
         axes = [real(name, axis, copied) for name, axis in zip("xyz", points)]
         if len({axis.dtype for axis in axes}) > 1:
@@ -184,7 +190,9 @@ def _kind(kind: str | int | None, connectivity: np.ndarray | None, types: np.nda
     columns = connectivity.shape[1] if connectivity.ndim == 2 else None
     if kind is None:
         if columns not in OF_COLUMNS:
-            raise Error(f"connectivity: of shape {connectivity.shape}; give (cells, 4, 5, 6 or 8), or kind, or offsets and types")
+            raise Error(
+                f"connectivity: of shape {connectivity.shape}; give (cells, 4, 5, 6 or 8), or kind, or offsets and types"
+            )
         return OF_COLUMNS[columns]
     code = KINDS.get(kind) if isinstance(kind, str) else kind
     if code not in CORNERS:
@@ -216,7 +224,9 @@ def _data(what: str, data: Any, count: int, copied: list[str]) -> dict[str, np.n
 def data_array(what: str, name: str, values: ArrayLike, count: int, copied: list[str] | None = None) -> np.ndarray:
     """An array with ``count`` rows, of a type that is drawn."""
     array = numeric(what, values)
-    dtype = {"b": np.uint8, "f": np.float32 if array.itemsize <= 4 else np.float64}.get(array.dtype.kind, array.dtype.newbyteorder("="))
+    dtype = {"b": np.uint8, "f": np.float32 if array.itemsize <= 4 else np.float64}.get(
+        array.dtype.kind, array.dtype.newbyteorder("=")
+    )
     array = in_place(name, values, array, dtype, copied)
     if array.ndim > 1 and array.shape[0] != count and array.size == count:
         # A value at each point of a grid.

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._cellfan import Camera, CancelToken, Error, Image, SessionCore, Transfer
-from ._mesh import Mesh, data_array, in_place, real, scalar
+from ._mesh import Mesh, data_array, positions, scalar
 from ._vtk import from_pyvista
 
 Progress = Callable[[float], object]
@@ -67,11 +67,7 @@ class Session:
 
     def update_positions(self, points: ArrayLike | Sequence[ArrayLike]) -> None:
         """Moves the points, as many as there were. They are copied: 12 bytes each."""
-        if isinstance(points, (tuple, list)) and len(points) == 3 and all(np.ndim(axis) in (1, 3) for axis in points) and len(points[0]) != 3:
-            self._core.update_positions([real(name, axis).reshape(-1) for name, axis in zip("xyz", points)])
-            return
-        array = real("points", points)
-        self._core.update_positions(array.reshape(-1, 3) if array.ndim == 4 and array.shape[-1] == 3 else array)
+        self._core.update_positions(positions(points, [])[0])
 
     def update_topology(self, mesh: Any, array: str | None = None, *, component: int | None = None) -> None:
         """Draws another mesh; threads, token and the memory of pictures stay. After an error the mesh is that of before."""
@@ -155,7 +151,9 @@ class Session:
     def __enter__(self) -> Session:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         self.close()
 
 

@@ -30,7 +30,11 @@ def from_pyvista(grid: Any) -> Mesh:
     elif hasattr(grid, "dimensions") and hasattr(grid, "points"):
         parts = {"points": grid.points, "dims": grid.dimensions, **_attributes(grid)}
     elif all(hasattr(grid, name) for name in ("dimensions", "origin", "spacing")):
-        parts = {"points": _lattice(grid.dimensions, grid.origin, grid.spacing), "dims": grid.dimensions, **_attributes(grid)}
+        parts = {
+            "points": _lattice(grid.dimensions, grid.origin, grid.spacing),
+            "dims": grid.dimensions,
+            **_attributes(grid),
+        }
     elif hasattr(grid, "IsA"):
         parts = _of_vtk(grid)
     else:
@@ -55,7 +59,10 @@ def _is_drawn(values: Any) -> bool:
 
 def _attributes(grid: Any) -> dict[str, Any]:
     """The data of a grid with PyVista's attributes."""
-    named = [{n: np.asarray(v) for n, v in dict(getattr(grid, of, {})).items() if _is_drawn(v)} for of in ("point_data", "cell_data")]
+    named = [
+        {n: np.asarray(v) for n, v in dict(getattr(grid, of, {})).items() if _is_drawn(v)}
+        for of in ("point_data", "cell_data")
+    ]
     return {"point_data": named[0], "cell_data": named[1], "active": getattr(grid, "active_scalars_name", None)}
 
 
@@ -63,16 +70,23 @@ def _lattice(dims: Any, origin: Any, spacing: Any, direction: Any = None, first:
     """The points of an image grid, i fastest."""
     k, j, i = np.meshgrid(*(first[axis] + np.arange(dims[axis], dtype=np.float64) for axis in (2, 1, 0)), indexing="ij")
     steps = np.stack([i, j, k], axis=-1).reshape(-1, 3) * np.asarray(spacing, dtype=np.float64)
-    return np.asarray(origin, dtype=np.float64) + (steps if direction is None else steps @ np.asarray(direction).T)
+    return np.asarray(
+        np.asarray(origin, dtype=np.float64) + (steps if direction is None else steps @ np.asarray(direction).T)
+    )
 
 
 def _of_vtk(grid: Any) -> dict[str, Any]:
     """The parts of one of VTK's own grids."""
-    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.util import numpy_support
+
+    def vtk_to_numpy(array: Any) -> np.ndarray:
+        return np.asarray(numpy_support.vtk_to_numpy(array))  # type: ignore[no-untyped-call]
 
     def data(of: Any) -> dict[str, Any]:
         arrays = (of.GetArray(i) for i in range(of.GetNumberOfArrays()))
-        return {array.GetName() or f"array {i}": vtk_to_numpy(array) for i, array in enumerate(arrays) if array is not None}
+        return {
+            array.GetName() or f"array {i}": vtk_to_numpy(array) for i, array in enumerate(arrays) if array is not None
+        }
 
     def active(of: Any) -> str | None:
         return of.GetScalars().GetName() if of.GetScalars() is not None else None
@@ -83,12 +97,19 @@ def _of_vtk(grid: Any) -> dict[str, Any]:
         return vtk_to_numpy(grid.GetPoints().GetData())
 
     of_points, of_cells = grid.GetPointData(), grid.GetCellData()
-    parts: dict[str, Any] = {"point_data": data(of_points), "cell_data": data(of_cells), "active": active(of_points) or active(of_cells)}
+    parts: dict[str, Any] = {
+        "point_data": data(of_points),
+        "cell_data": data(of_cells),
+        "active": active(of_points) or active(of_cells),
+    }
     if grid.IsA("vtkUnstructuredGrid"):
         cells = grid.GetCells()
         if grid.GetNumberOfCells() == 0:
             raise Error("the grid has no cells")
-        parts["connectivity"], parts["offsets"] = vtk_to_numpy(cells.GetConnectivityArray()), vtk_to_numpy(cells.GetOffsetsArray())
+        parts["connectivity"], parts["offsets"] = (
+            vtk_to_numpy(cells.GetConnectivityArray()),
+            vtk_to_numpy(cells.GetOffsetsArray()),
+        )
         try:
             types = grid.GetCellTypes()
         except TypeError:
@@ -103,7 +124,10 @@ def _of_vtk(grid: Any) -> dict[str, Any]:
     if grid.IsA("vtkImageData"):
         turn, extent = grid.GetDirectionMatrix(), grid.GetExtent()
         direction = [[turn.GetElement(row, column) for column in range(3)] for row in range(3)]
-        return parts | {"points": _lattice(dims, grid.GetOrigin(), grid.GetSpacing(), direction, extent[::2]), "dims": dims}
+        return parts | {
+            "points": _lattice(dims, grid.GetOrigin(), grid.GetSpacing(), direction, extent[::2]),
+            "dims": dims,
+        }
     if grid.IsA("vtkRectilinearGrid"):
         axes = [vtk_to_numpy(axis) for axis in (grid.GetXCoordinates(), grid.GetYCoordinates(), grid.GetZCoordinates())]
         z, y, x = np.meshgrid(*axes[::-1], indexing="ij")
