@@ -4,8 +4,8 @@
 //! would do: `python/cellfan/_mesh.py` converts, and says what it copies.
 #![expect(unsafe_code, reason = "a slice that lives as long as the array it holds, which no lifetime can say")]
 
-use cellfan::session::{Indices, Scalars};
 use cellfan::Positions;
+use cellfan::session::{Indices, Scalars};
 use numpy::{Element, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
@@ -27,12 +27,17 @@ impl<T> Lent<T> {
 /// The values of `array`, if they are of type `T`.
 fn lend<T: Element>(name: &str, array: &Bound<'_, PyAny>) -> PyResult<Option<Lent<T>>> {
     let Ok(array) = array.cast::<PyArrayDyn<T>>() else { return Ok(None) };
+    let refuse = || {
+        refused(format!("{name}: the array has to be C-contiguous and aligned; numpy.ascontiguousarray makes it so"))
+    };
+    if !array.is_c_contiguous() {
+        // Columns one after the other are a slice too, and other values.
+        return Err(refuse());
+    }
     // SAFETY: nothing in Rust writes to an array; that Python code does not while it is read is what the documentation asks for. Values
     // that change all the same are numbers still, and the library checks each number of a point before it reads that point.
     let values = unsafe { array.as_slice() };
-    let values = values.map_err(|_| {
-        refused(format!("{name}: the array has to be C-contiguous and aligned; numpy.ascontiguousarray makes it so"))
-    })?;
+    let values = values.map_err(|_| refuse())?;
     // SAFETY: pointer and length are those of a slice. The array is held beside it, and NumPy does not resize an array of which another
     // reference is held, unless it is told to disregard that (`refcheck=False`).
     let values = unsafe { std::slice::from_raw_parts(values.as_ptr(), values.len()) };
@@ -60,7 +65,7 @@ macro_rules! values {
                 $(if let Some(values) = lend::<$type>(name, array)? {
                     return Ok(Self::$variant(values));
                 })*
-                Err(refused(format!(concat!("{name}: {}; it has to be an array of ", $dtypes), described(array))))
+                Err(refused(format!("{name}: {}; it has to be an array of {}", described(array), $dtypes)))
             }
 
             /// The same as a slice.

@@ -14,7 +14,7 @@ use crate::error::raised;
 /// >>> camera = cellfan.Camera((0, -5, 0), (0, 0, 0), size=(512, 512), fov=30)
 /// >>> camera.size
 /// (512, 512)
-#[pyclass(frozen, eq, module = "cellfan", skip_from_py_object)]
+#[pyclass(frozen, eq, module = "cellfan")]
 #[derive(Clone, PartialEq)]
 pub(crate) struct Camera {
     pub(crate) inner: cellfan::Camera,

@@ -14,7 +14,7 @@ use crate::error::{raised, refused};
 ///
 /// In the absorption model it holds transmitted intensities instead. `stats` says what became of the cells and how long it took.
 /// `numpy.asarray(image)` is `image.array`.
-#[pyclass(frozen, module = "cellfan", skip_from_py_object)]
+#[pyclass(frozen, module = "cellfan")]
 pub(crate) struct Image {
     /// The pixels: shape (height, width, 4), float32.
     #[pyo3(get)]
@@ -89,7 +89,8 @@ impl Image {
         copy: Option<bool>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let array = self.array.bind(py).as_any();
-        let wanted = dtype.map_or_else(|| array.getattr("dtype"), |dtype| py.import("numpy")?.call_method1("dtype", (dtype,)))?;
+        let wanted = dtype
+            .map_or_else(|| array.getattr("dtype"), |dtype| py.import("numpy")?.call_method1("dtype", (dtype,)))?;
         if !wanted.eq(array.getattr("dtype")?)? {
             if copy == Some(false) {
                 return Err(PyValueError::new_err("the picture is float32: another dtype needs a copy"));

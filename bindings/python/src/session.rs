@@ -69,13 +69,13 @@ fn values_of(association: Option<&str>, scalars: Option<&Bound<'_, PyAny>>) -> P
     let association = match association {
         Some("points") => Association::Point,
         Some("cells") => Association::Cell,
-        other => return Err(refused(format!("scalars of {other:?}: say \"points\" or \"cells\""))),
+        other => return Err(refused(format!("scalars on {:?}: say \"points\" or \"cells\"", other.unwrap_or("")))),
     };
     Ok(Some((association, LentScalars::new("scalars", scalars)?)))
 }
 
 /// Ends the picture that a session draws, or its next, from any thread.
-#[pyclass(frozen, module = "cellfan", skip_from_py_object)]
+#[pyclass(frozen, module = "cellfan")]
 pub(crate) struct CancelToken {
     inner: cellfan::CancelToken,
 }
@@ -100,7 +100,7 @@ impl CancelToken {
 }
 
 /// What `cellfan.Session` stands on.
-#[pyclass(frozen, module = "cellfan._cellfan", skip_from_py_object)]
+#[pyclass(frozen, module = "cellfan._cellfan")]
 pub(crate) struct SessionCore {
     open: Mutex<Option<Open>>,
     token: cellfan::CancelToken,
@@ -115,7 +115,9 @@ impl SessionCore {
                 // What a panic left half done is made anew by the next picture.
                 Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
                 Err(TryLockError::WouldBlock) => {
-                    return Err(refused("the session is in use, by another thread or by the call whose progress this is"));
+                    return Err(refused(
+                        "the session is in use, by another thread or by the call whose progress this is",
+                    ));
                 }
             };
             let Some(open) = &mut *open else { return Err(refused("the session is closed")) };

@@ -18,7 +18,7 @@ type Point = (f64, (f64, f64, f64), f64);
 /// >>> transfer = cellfan.Transfer([(0, (1, 0, 0), 0), (2, (0, 0, 1), 8)])
 /// >>> transfer(0.5)
 /// ((0.75, 0.0, 0.25), 2.0)
-#[pyclass(frozen, eq, module = "cellfan", skip_from_py_object)]
+#[pyclass(frozen, eq, module = "cellfan")]
 #[derive(Clone, PartialEq)]
 pub(crate) struct Transfer {
     pub(crate) inner: TransferFunction,
@@ -38,7 +38,10 @@ impl Transfer {
             let [value, r, g, b, extinction] = match row.extract::<(f64, [f64; 3], f64)>() {
                 Ok((value, [r, g, b], extinction)) => [value, r, g, b, extinction],
                 Err(_) => row.extract().map_err(|_| {
-                    refused(format!("transfer function: point {} is not (value, (red, green, blue), extinction)", nth + 1))
+                    refused(format!(
+                        "transfer function: point {} is not (value, (red, green, blue), extinction)",
+                        nth + 1
+                    ))
                 })?,
             };
             found.push(ControlPoint { value, color: [r, g, b], extinction });

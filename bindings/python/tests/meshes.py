@@ -20,7 +20,7 @@ def hexahedra(n):
 def tetrahedra(n):
     """Six tetrahedra in each of the boxes."""
     six = [(0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6)]
-    return hexahedra(n)[:, six].reshape(-1, 4)
+    return np.ascontiguousarray(hexahedra(n)[:, six].reshape(-1, 4))
 
 
 def values(points):

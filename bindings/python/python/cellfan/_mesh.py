@@ -134,7 +134,7 @@ def in_place(
 ) -> np.ndarray:
     """``array``, which is ``values``, of ``dtype`` and in the layout that is drawn; itself where it is so."""
     out = np.require(array, dtype, ["C", "A"])
-    if copied is not None and (out is not array or not isinstance(values, np.ndarray)):
+    if copied is not None and not (isinstance(values, np.ndarray) and np.may_share_memory(out, array)):
         copied.append(name)
     return out
 

@@ -177,8 +177,8 @@ def render(
     ``view`` is azimuth and elevation in degrees, where no ``camera`` is given. For all else see :class:`Session` and its ``render``.
 
     >>> cube = Mesh(np.mgrid[0:2, 0:2, 0:2].astype(np.float32).reshape(3, -1).T[:, ::-1], dims=(2, 2, 2))
-    >>> render(cube, transfer=Transfer.constant((1, 1, 1), 1.0), size=(32, 32)).array.max() <= 1
-    True
+    >>> render(cube, transfer=Transfer.constant((1, 1, 1), 1.0), size=(32, 32)).size
+    (32, 32)
     """
     with Session(mesh, array, component=component, threads=threads) as session:
         camera = session.camera(*view, size) if camera is None else camera

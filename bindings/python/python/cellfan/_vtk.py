@@ -23,20 +23,18 @@ def from_pyvista(grid: Any) -> Mesh:
 
     >>> cellfan.render(cellfan.from_pyvista(pyvista.Wavelet()), "RTData").save("wavelet.png")
     """
-    if all(hasattr(grid, name) for name in ("points", "cell_connectivity", "celltypes")):
+    if hasattr(grid, "IsA") and hasattr(grid, "GetPointData"):
+        # PyVista's grids are VTK's too.
+        parts = _of_vtk(grid)
+    elif all(hasattr(grid, name) for name in ("points", "cell_connectivity", "celltypes")):
         offsets = grid.cell_offsets if hasattr(grid, "cell_offsets") else grid.offset
         cells = {"connectivity": grid.cell_connectivity, "offsets": offsets, "types": grid.celltypes}
         parts = {"points": grid.points, **cells, **_attributes(grid)}
     elif hasattr(grid, "dimensions") and hasattr(grid, "points"):
         parts = {"points": grid.points, "dims": grid.dimensions, **_attributes(grid)}
     elif all(hasattr(grid, name) for name in ("dimensions", "origin", "spacing")):
-        parts = {
-            "points": _lattice(grid.dimensions, grid.origin, grid.spacing),
-            "dims": grid.dimensions,
-            **_attributes(grid),
-        }
-    elif hasattr(grid, "IsA"):
-        parts = _of_vtk(grid)
+        points = _lattice(grid.dimensions, grid.origin, grid.spacing)
+        parts = {"points": points, "dims": grid.dimensions, **_attributes(grid)}
     else:
         raise Error(f"{type(grid)}: no mesh, and no unstructured, structured, rectilinear or image grid")
     active = parts.pop("active")
