@@ -1,7 +1,8 @@
 //! `Control`: how whoever asked for a picture is told how far it is, and ends it before it is done.
 //!
 //! In: a [`CancelToken`] that any thread may set, a callback. Out: [`Error::Cancelled`]; calls with the share that is done. Loops over
-//! chunks of cells, tiles and cells of a tile look at the token; what they leave undone is thrown away by whoever called them.
+//! chunks of cells, tiles and cells of a tile look at the token, less than 5 ms of work apart; what they leave undone is thrown away by
+//! whoever called them: functions that are called `…_while` end early.
 
 #[cfg(all(test, unix))]
 pub(crate) mod looks;
