@@ -31,7 +31,7 @@ fn threads_look_at_the_token_between_pieces_of_work() {
     let camera = Camera::framing(&session.corners_world(), 35.0, 20.0, 64, 64);
     let options = |model, sort, memory_bytes| RenderOptions { model, sort, memory_bytes, ..RenderOptions::default() };
     let light = Model::EmissionAbsorption;
-    let mut render = |session: &mut Session<'_>, camera: &Camera, options: &RenderOptions, what: &str| -> Rendered {
+    let render = |session: &mut Session<'_>, camera: &Camera, options: &RenderOptions, what: &str| -> Rendered {
         pool.broadcast(|_| looks::watch());
         let rendered = session.render(camera, &transfer, options).unwrap();
         let of_threads = pool.broadcast(|_| looks::longest());
