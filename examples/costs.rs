@@ -1,6 +1,7 @@
 //! What a session costs: how long each kind of change takes, what it holds at most, how soon a picture ends that nobody wants.
 //!
-//! `cargo run --release --no-default-features --example costs -- 1000000`. The figures of docs/embedding.md come from here.
+//! `cargo run --release --no-default-features --example costs -- 1000000 1024` tells costs, the same with `cancel centroid` at the end (or
+//! another order) how soon pictures end. The figures of docs/embedding.md come from here.
 
 use std::cell::Cell;
 use std::time::{Duration, Instant};
@@ -35,6 +36,9 @@ fn mesh(side: u32) -> (Vec<[f32; 3]>, Vec<u32>) {
     (points, corners)
 }
 
+/// How often a picture is cancelled.
+const MOMENTS: u32 = 16;
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let wanted: f64 = std::env::args().nth(1).unwrap_or("1000000".to_owned()).parse()?;
     let size: u32 = std::env::args().nth(2).unwrap_or("1024".to_owned()).parse()?;
@@ -45,10 +49,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let count = corners.len() / 4;
     println!("{count} tetrahedra, {} points, {size}x{size} pixels", points.len());
 
-    let held = || anonymous_bytes().unwrap_or(0) as f64 / count as f64;
-    let before = held();
     let cells = Cells::OfKind { kind: &TETRAHEDRON, points: Indices::U32(&corners) };
     let mesh = MeshView::new(Positions::F32(&points), cells).with_scalars(Association::Point, Scalars::F32(&values[0]));
+    if std::env::args().nth(3).as_deref() == Some("cancel") {
+        return cancel(&mesh, size, std::env::args().nth(4).unwrap_or("auto".to_owned()).parse()?);
+    }
+
+    let held = || anonymous_bytes().unwrap_or(0) as f64 / count as f64;
+    let before = held();
     let timed = |what: &str, start: Instant| {
         let elapsed = start.elapsed();
         println!("{what:46} {:9.1} ms   {:5.1} bytes a cell", elapsed.as_secs_f64() * 1e3, held() - before);
@@ -90,34 +98,50 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let start = Instant::now();
     session.update_topology(&mesh)?;
     timed("update_topology", start);
-    let whole = picture(&mut session, "picture", &camera, &options)?;
+    picture(&mut session, "picture", &camera, &options)?;
     println!("    at most {:.1} bytes a cell beside the caller's arrays", peak.get());
 
-    // Cancelled at eleven moments of a picture, of the whole mesh and of a new session's first.
-    let mut longest = [Duration::ZERO; 2];
-    for (nth, longest) in longest.iter_mut().enumerate() {
-        for moment in 0..11 {
-            if nth == 1 {
-                session = Session::on(Threads::Count(2), &mesh)?;
+    Ok(())
+}
+
+/// How soon a picture ends that nobody wants: asked at moments spread over it, of a session that has drawn and of a new one's first.
+fn cancel(mesh: &MeshView<'_, '_>, size: u32, sort: SortMethod) -> Result<(), Box<dyn std::error::Error>> {
+    let transfer = TransferFunction::constant([1.0, 0.8, 0.6], 2.0)?;
+    let options = RenderOptions { sort, ..RenderOptions::default() };
+    let mut session = Session::on(Threads::Count(2), mesh)?;
+    let camera = Camera::framing(&session.corners_world(), 35.0, 20.0, size, size);
+    let start = Instant::now();
+    session.render(&camera, &transfer, &options)?;
+    let first = start.elapsed();
+    let start = Instant::now();
+    session.render(&camera.orbited(7.0), &transfer, &options)?;
+    let later = start.elapsed();
+    println!("in {sort} order: the first picture {:.2} s, another {:.2} s", first.as_secs_f64(), later.as_secs_f64());
+    for (what, is_first, whole) in [("a later picture", false, later), ("a session's first", true, first)] {
+        let mut late_ms = Vec::new();
+        for moment in 0..MOMENTS {
+            if is_first {
+                session = Session::on(Threads::Count(2), mesh)?;
             }
             let token = session.cancel_token();
             let asked = std::thread::spawn(move || {
-                std::thread::sleep(whole.mul_f64((f64::from(moment) + 0.5) / 12.0));
+                std::thread::sleep(whole.mul_f64((f64::from(moment) + 0.5) / f64::from(MOMENTS + 1)));
                 token.cancel();
                 Instant::now()
             });
-            let result = session.render(if moment % 2 == 0 { &camera } else { &turned }, &transfer, &options);
+            let result = session.render(&camera.orbited(11.0 * f64::from(moment)), &transfer, &options);
             let ended = Instant::now();
             let asked = asked.join().map_err(|_| "the thread that cancels failed")?;
-            if let Err(Error::Cancelled) = result {
-                *longest = (*longest).max(ended.saturating_duration_since(asked));
-            } else {
-                session.cancel_token().reset();
+            match result {
+                Err(Error::Cancelled) => late_ms.push(ended.saturating_duration_since(asked).as_secs_f64() * 1e3),
+                _ => session.cancel_token().reset(),
             }
         }
+        late_ms.sort_by(f64::total_cmp);
+        let (median, longest) = (late_ms.get(late_ms.len() / 2), late_ms.last());
+        println!("    {what}, cancelled {} times, ends after {median:.1?} ms, {longest:.1?} at most", late_ms.len());
     }
-    let [later, of_first] = longest.map(|longest| longest.as_secs_f64() * 1e3);
-    println!("    a cancelled picture ends within {later:.1} ms, the first of a session within {of_first:.1} ms");
-    picture(&mut session, "picture after that", &camera, &options)?;
+    let rendered = session.render(&camera, &transfer, &options)?;
+    println!("    the picture after that has {} cells", rendered.cells.drawn);
     Ok(())
 }

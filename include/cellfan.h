@@ -391,7 +391,7 @@ CellfanStatus cellfan_preset(struct CellfanSession *session,
                              size_t capacity,
                              size_t *points_len);
 
-// Writes a picture to a file: .png (on black), .exr or .npy, by the extension of `path`. It appears whole or not at all.
+// Writes a picture to a file: .png (straight alpha), .exr or .npy, by the extension of `path`. It appears whole or not at all.
 //
 // Threads: any.
 //

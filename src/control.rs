@@ -1,7 +1,11 @@
 //! `Control`: how whoever asked for a picture is told how far it is, and ends it before it is done.
 //!
 //! In: a [`CancelToken`] that any thread may set, a callback. Out: [`Error::Cancelled`]; calls with the share that is done. Loops over
-//! chunks of cells, tiles and cells of a tile look at the token; what they leave undone is thrown away by whoever called them.
+//! chunks of cells, tiles and cells of a tile look at the token, less than 5 ms of work apart; what they leave undone is thrown away by
+//! whoever called them: functions that are called `…_while` end early.
+
+#[cfg(all(test, unix))]
+pub(crate) mod looks;
 
 use std::fmt;
 use std::sync::Arc;
@@ -73,13 +77,17 @@ impl Control {
     ///
     /// # Errors
     /// [`Error::Cancelled`].
+    #[cfg_attr(all(test, unix), track_caller)]
     pub fn check(&self) -> Result<()> {
         if self.is_cancelled() { Err(Error::Cancelled) } else { Ok(()) }
     }
 
     /// Whether the picture at hand is to end.
     #[inline]
+    #[cfg_attr(all(test, unix), track_caller)]
     pub(crate) fn is_cancelled(&self) -> bool {
+        #[cfg(all(test, unix))]
+        looks::look();
         if self.cancel.is_cancelled() {
             self.is_ending.store(true, Ordering::Relaxed);
         }

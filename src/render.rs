@@ -158,8 +158,8 @@ impl Renderer {
         self.options = options;
     }
 
-    /// How frames are watched and ended: the token is looked at for each block of cells, each tile and each few hundred cells of a tile;
-    /// with [`SortMethod::Topological`] and opaque geometry only between the steps by which these are made, on a GPU before it draws.
+    /// How frames are watched and ended: each thread looks at the token between pieces of less than 5 ms of work. Fans, and lists of opaque
+    /// geometry, are made in steps that may take longer, between which it is looked at; a GPU looks before it draws.
     pub fn set_control(&mut self, control: Control) {
         self.control = Arc::new(control);
     }

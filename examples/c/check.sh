@@ -5,9 +5,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 profile=debug
 [[ "${1:-}" == --release ]] && profile=release
-for kind in cdylib staticlib; do
-    cargo rustc --lib --no-default-features --features capi --crate-type "$kind" "$@"
-done
+cargo rustc --lib --no-default-features --features capi --crate-type cdylib,staticlib "$@"
 lib="${CARGO_TARGET_DIR:-target}/$profile"
 out="$(mktemp -d)"
 trap 'rm -rf "$out"' EXIT
@@ -19,6 +17,18 @@ gcc "${flags[@]}" examples/c/first.c -o "$out/first_static" "$lib/libcellfan.a" 
 g++ -x c++ -fsyntax-only -Wall -Werror include/cellfan.h
 gfortran -std=f2018 -Wall -Werror -O1 "-J$out" examples/fortran/cellfan.f90 examples/fortran/first.f90 -o "$out/first_fortran" \
     "-L$lib" -lcellfan "-Wl,-rpath,$(realpath "$lib")"
+
+if command -v pkg-config >/dev/null; then
+    # As it would be installed: below one prefix.
+    mkdir -p "$out/prefix/lib/pkgconfig"
+    ln -s "$PWD/include" "$out/prefix/include"
+    ln -s "$(realpath "$lib")"/libcellfan.* "$out/prefix/lib/"
+    version="$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -n 1)"
+    sed "s|@prefix@|$out/prefix|; s|@version@|$version|" include/cellfan.pc.in >"$out/prefix/lib/pkgconfig/cellfan.pc"
+    read -ra found <<<"$(PKG_CONFIG_PATH="$out/prefix/lib/pkgconfig" pkg-config --cflags --libs "cellfan = $version")"
+    gcc -std=c11 examples/c/first.c -o "$out/first_found" "${found[@]}" -lm "-Wl,-rpath,$(realpath "$lib")"
+    "$out/first_found" "$out/found.png"
+fi
 
 "$out/first" "$out/c.png"
 "$out/first_static" "$out/static.png"

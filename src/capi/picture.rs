@@ -101,7 +101,7 @@ pub unsafe extern "C" fn cellfan_preset(
     })
 }
 
-/// Writes a picture to a file: .png (on black), .exr or .npy, by the extension of `path`. It appears whole or not at all.
+/// Writes a picture to a file: .png (straight alpha), .exr or .npy, by the extension of `path`. It appears whole or not at all.
 ///
 /// Threads: any.
 ///

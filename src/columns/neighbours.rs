@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use super::canonical::place;
 use super::faces::{FaceName, FaceSide, Faces, HEX_FACES, TET_FACES};
 use super::{Column, Dataset};
+use crate::control::Control;
 
 /// The cells across the faces of tetrahedra and of listed hexahedra; those of structured blocks follow from i, j and k.
 ///
@@ -34,20 +35,27 @@ impl Neighbours {
     ///
     /// O(cells), with 24 bytes for each face that is not shared within its block, some tenth of all.
     pub fn new(dataset: &Dataset) -> Self {
+        Self::new_while(&Control::default(), dataset)
+    }
+
+    /// The same until the end is asked for; then neighbours are missing.
+    pub(crate) fn new_while(control: &Control, dataset: &Dataset) -> Self {
         let faces = Faces::new(dataset.into());
         let [tets, hexahedra] = faces.listed();
-        let mut from_tet = vec![[Self::NONE; TET_FACES]; tets];
-        let mut from_hexahedron = vec![[Self::NONE; HEX_FACES]; hexahedra];
-        let of_tets = within_blocks(&faces, 0, &mut from_tet);
-        let of_hexahedra = within_blocks(&faces, tets, &mut from_hexahedron);
-        let mut open: Vec<Side> = of_tets.chain(of_hexahedra).flatten_iter().collect();
-        open.par_sort_unstable();
+        let (mut from_tet, mut from_hexahedron) = (rows_of_none(control, tets), rows_of_none(control, hexahedra));
+        let of_tets = within_blocks(control, &faces, 0, &mut from_tet);
+        let of_hexahedra = within_blocks(control, &faces, tets, &mut from_hexahedron);
+        let open_from_block: Vec<Vec<Side>> = of_tets.chain(of_hexahedra).collect();
+        let open = sorted_while(control, &open_from_block, dataset.positions.len());
+        drop(open_from_block);
         let mut joiner = Joiner::default();
-        for [one, other] in open.into_iter().filter_map(|side| joiner.join(side)) {
-            for (side, across) in [(one, other), (other, one)] {
-                match side.cell().checked_sub(tets) {
-                    None => from_tet[side.cell()][side.face()] = across.cell() as u32,
-                    Some(hexahedron) => from_hexahedron[hexahedron][side.face()] = across.cell() as u32,
+        for sides in open.chunks(LOOK).take_while(|_| !control.is_cancelled()) {
+            for [one, other] in sides.iter().filter_map(|&side| joiner.join(side)) {
+                for (side, across) in [(one, other), (other, one)] {
+                    match side.cell().checked_sub(tets) {
+                        None => from_tet[side.cell()][side.face()] = across.cell() as u32,
+                        Some(hexahedron) => from_hexahedron[hexahedron][side.face()] = across.cell() as u32,
+                    }
                 }
             }
         }
@@ -225,12 +233,58 @@ fn within_block<const N: usize>(faces: &Faces, first: usize, rows: &mut [[u32; N
     open
 }
 
+/// Rows, or sides, between two looks at the token: less than a millisecond.
+const LOOK: usize = 1 << 15;
+
+/// Rows without a neighbour.
+fn rows_of_none<const N: usize>(control: &Control, len: usize) -> Vec<[u32; N]> {
+    let mut rows = Vec::new();
+    rows.reserve_exact(len);
+    while rows.len() < len && !control.is_cancelled() {
+        rows.resize((rows.len() + LOOK).min(len), [Neighbours::NONE; N]);
+    }
+    rows
+}
+
+/// All sides in order: those of faces whose first of so many vertices are near each other are put together, and sorted in cache.
+fn sorted_while(control: &Control, sides_from_block: &[Vec<Side>], vertices: usize) -> Vec<Side> {
+    let len: usize = sides_from_block.iter().map(Vec::len).sum();
+    let buckets = len / LOOK + 1;
+    let bucket_of = |side: &Side| (u64::from(side.0[0]) * buckets as u64 / vertices.max(1) as u64) as usize;
+    let sides_while = || sides_from_block.iter().take_while(|_| !control.is_cancelled()).flatten();
+    // Count, scan, write.
+    let mut places = vec![0; buckets];
+    sides_while().for_each(|side| places[bucket_of(side)] += 1);
+    let mut sorted = vec![Side::zeroed(); len];
+    let (mut rest, mut slices, mut start) = (&mut sorted[..], Vec::with_capacity(buckets), 0);
+    let lens = places.clone();
+    for place in &mut places {
+        start += std::mem::replace(place, start);
+    }
+    for side in sides_while() {
+        let place = &mut places[bucket_of(side)];
+        rest[*place] = *side;
+        *place += 1;
+    }
+    for len in lens {
+        let (slice, after) = rest.split_at_mut(len);
+        slices.push(slice);
+        rest = after;
+    }
+    slices.into_par_iter().filter(|_| !control.is_cancelled()).for_each(<[Side]>::sort_unstable);
+    sorted
+}
+
 /// The same for all blocks of the cells from `first` on, which are of one kind.
 pub(crate) fn within_blocks<'a, const N: usize>(
+    control: &'a Control,
     faces: &'a Faces,
     first: usize,
     rows: &'a mut [[u32; N]],
 ) -> impl ParallelIterator<Item = Vec<Side>> + 'a {
     let blocks = rows.par_chunks_mut(Dataset::BLOCK_CELLS).enumerate();
-    blocks.map(move |(block, rows)| within_block(faces, first + block * Dataset::BLOCK_CELLS, rows))
+    blocks.map(move |(block, rows)| match control.is_cancelled() {
+        true => Vec::new(),
+        false => within_block(faces, first + block * Dataset::BLOCK_CELLS, rows),
+    })
 }

@@ -88,6 +88,25 @@ impl Image {
         })
     }
 
+    /// The bytes of the PNG that [`Image::save`] writes.
+    ///
+    /// # Errors
+    /// Those of [`Image::save`], but for the system's.
+    ///
+    /// ```
+    /// # use cellfan::image::{Encoding, Image};
+    /// let png = Image::filled(2, 1, [0.25, 0.25, 0.25, 0.5]).to_png(&Encoding::default())?;
+    /// assert_eq!(image::load_from_memory(&png).unwrap().into_rgba8().get_pixel(1, 0).0, [188, 188, 188, 128]);
+    /// # Ok::<(), cellfan::Error>(())
+    /// ```
+    pub fn to_png(&self, encoding: &Encoding) -> Result<Vec<u8>> {
+        let (path, mut bytes) = (Path::new("PNG"), Vec::new());
+        encoding.check()?;
+        self.check(path)?;
+        png::encode(self, encoding, path, &mut bytes)?;
+        Ok(bytes)
+    }
+
     /// How many pixels differ from `miss`, the value of a ray that meets no cell.
     ///
     /// `miss` is `[0.0; 4]`, and `[1.0; 4]` in the absorption model. A picture without a covered pixel is blank.

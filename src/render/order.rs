@@ -83,15 +83,16 @@ impl Renderer {
             SortMethod::Centroid => by(SortKey::Centroid),
             SortMethod::Power => by(SortKey::Power),
             SortMethod::Auto | SortMethod::Exact if !self.draws_fans() => {
-                FrameOrder { is_exact: true, ..by(scene.best_key()) }
+                FrameOrder { is_exact: true, ..by(scene.best_key(&self.control).unwrap_or(SortKey::None)) }
             }
             SortMethod::Auto | SortMethod::Exact | SortMethod::Topological => {
-                let adjacency = scene.adjacency(profile);
+                // Where the end is asked for, no order is looked at.
+                let Some(adjacency) = scene.adjacency(&self.control, profile) else { return by(SortKey::None) };
                 let start = Instant::now();
                 let _span = tracing::trace_span!("topological").entered();
-                let layers = topological.order(&scene.dataset, adjacency, &scene.vertices, view);
+                let layers = topological.order_while(&self.control, &scene.dataset, adjacency, &scene.vertices, view);
                 profile.add("topological", start.elapsed(), scene.dataset.cells() as u64 * 64);
-                let overlapping_faces = scene.overlapping_faces(profile);
+                let overlapping_faces = scene.overlapping_faces(adjacency, profile);
                 let is_exact = self.checks_order()
                     && match self.options.sort {
                         SortMethod::Exact => true,

@@ -24,7 +24,7 @@ impl Renderer {
         if options.cpu_method != CpuMethod::Rays || !fits || needs_cells {
             return None;
         }
-        scene.mates(profile)
+        scene.mates(&self.control, profile)
     }
 
     /// Draws the tiles again in which rays found cells that overlap: footprints put every fragment in order.

@@ -7,6 +7,7 @@ use super::opaque::Lists;
 use crate::backends::cpu::Mates;
 use crate::backends::scene_bytes;
 use crate::columns::{Dataset, Field};
+use crate::control::Control;
 use crate::error::Result;
 use crate::geometry::{Layer, SurfaceFaces, TriangleMesh, triangles};
 use crate::image::DepthImage;
@@ -16,7 +17,7 @@ use crate::stages::SceneVertex;
 use crate::stages::project::scene_vertices;
 use crate::stages::sort::SortKey;
 use crate::stages::sort::adjacency::Adjacency;
-use crate::stages::sort::delaunay::best_key;
+use crate::stages::sort::delaunay::best_key_while;
 use crate::stages::sort::overlaps::overlapping_faces;
 
 /// A mesh, the scalar drawn on it, and what the scalar looks like.
@@ -204,14 +205,15 @@ impl Scene {
         scene + self.band_bytes() + adjacency + self.lists.bytes() + triangles + external
     }
 
-    /// The key that orders the mesh best; found at the first call.
-    pub(super) fn best_key(&self) -> SortKey {
-        *self.best_key.get_or_init(|| best_key(&self.dataset))
+    /// The key that orders the mesh best; found at the first call. None where the end is asked for before.
+    pub(super) fn best_key(&self, control: &Control) -> Option<SortKey> {
+        found(&self.best_key, control, || best_key_while(control, &self.dataset)).copied()
     }
 
-    /// Which cells share a face; taken from the dataset or made at the first call.
-    pub(super) fn adjacency(&self, profile: &mut Profile) -> &Adjacency {
-        self.adjacency.get_or_init(|| profile.time("adjacency", || Adjacency::new(&self.dataset)))
+    /// Which cells share a face; taken from the dataset or made at the first call. None where the end is asked for before.
+    pub(super) fn adjacency(&self, control: &Control, profile: &mut Profile) -> Option<&Adjacency> {
+        let make = || profile.time("adjacency", || Adjacency::new_while(control, &self.dataset));
+        found(&self.adjacency, control, make)
     }
 
     /// The same where it is there already.
@@ -220,25 +222,25 @@ impl Scene {
     }
 
     /// Faces at which cells overlap; counted at the first call.
-    pub(super) fn overlapping_faces(&self, profile: &mut Profile) -> u64 {
-        *self.overlapping_faces.get_or_init(|| {
-            let adjacency = self.adjacency(profile);
-            profile.time("adjacency", || overlapping_faces(&self.dataset, adjacency))
-        })
+    pub(super) fn overlapping_faces(&self, adjacency: &Adjacency, profile: &mut Profile) -> u64 {
+        let count = || profile.time("adjacency", || overlapping_faces(&self.dataset, adjacency));
+        *self.overlapping_faces.get_or_init(count)
     }
 
     /// What lies across each face, found at the first call; none where rays cannot be followed through the mesh: it has other cells than
     /// tetrahedra, too many of them, or such that overlap.
-    pub(super) fn mates(&self, profile: &mut Profile) -> Option<&Mates> {
-        let find = || {
-            let is_all_tets = self.dataset.tets.len() == self.dataset.cells();
-            let fits = is_all_tets && (1..=Mates::MAX_CELLS).contains(&self.dataset.cells());
-            if !fits || self.overlapping_faces(profile) > 0 {
-                return None;
-            }
-            let adjacency = self.adjacency(profile);
-            Some(profile.time("mates", || Mates::new(&self.dataset, adjacency)))
-        };
+    pub(super) fn mates(&self, control: &Control, profile: &mut Profile) -> Option<&Mates> {
+        if let Some(mates) = self.mates.get() {
+            return mates.as_ref();
+        }
+        let is_all_tets = self.dataset.tets.len() == self.dataset.cells();
+        if !is_all_tets || !(1..=Mates::MAX_CELLS).contains(&self.dataset.cells()) {
+            return None;
+        }
+        // Where the end is asked for there are none yet.
+        let adjacency = self.adjacency(control, profile)?;
+        let overlap = self.overlapping_faces(adjacency, profile) > 0;
+        let find = || (!overlap).then(|| profile.time("mates", || Mates::new(&self.dataset, adjacency)));
         self.mates.get_or_init(find).as_ref()
     }
 
@@ -260,4 +262,13 @@ impl Scene {
         self.pieces = transfer.pieces(self.field.offset);
         self.transfer = transfer.clone();
     }
+}
+
+/// What `cell` holds, made where it holds nothing; what was made in part, since the end was asked for meanwhile, is not kept.
+fn found<'a, T>(cell: &'a OnceLock<T>, control: &Control, make: impl FnOnce() -> T) -> Option<&'a T> {
+    if let Some(found) = cell.get() {
+        return Some(found);
+    }
+    let made = make();
+    (!control.is_cancelled()).then(|| cell.get_or_init(|| made))
 }

@@ -7,6 +7,8 @@
 
 mod cells;
 mod loan;
+#[cfg(all(test, unix))]
+mod tests;
 mod view;
 
 use std::marker::PhantomData;

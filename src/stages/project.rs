@@ -65,7 +65,7 @@ pub fn project(view: &View, vertices: &[SceneVertex], screen: &mut Vec<ScreenVer
 }
 
 /// Vertices between two looks at the token.
-const SLAB: usize = 1 << 18;
+const SLAB: usize = 1 << 17;
 
 /// The same until the end is asked for; then vertices are missing.
 pub(crate) fn project_while(control: &Control, view: &View, vertices: &[SceneVertex], screen: &mut Vec<ScreenVertex>) {

@@ -107,14 +107,8 @@ impl Bins {
         self.starts.push(next);
         let places: Vec<AtomicUsize> = self.starts.iter().map(|&start| AtomicUsize::new(start)).collect();
 
+        self.make_room(next);
         let mut pairs = std::mem::take(&mut self.pairs);
-        if pairs.capacity() < next {
-            // What it held is not copied: it goes before the new memory is asked for.
-            drop(pairs);
-            pairs = vec![0; next];
-        } else {
-            pairs.resize(next, 0);
-        }
         let out = as_atomic(&mut pairs);
         self.for_each_chunk(projector, |chunk, cells, blocks| {
             for block in blocks {

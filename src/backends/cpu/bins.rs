@@ -16,15 +16,16 @@ pub(super) use super::grid::TILE;
 use super::grid::{SmallTileBox, TileBox, TileGrid};
 use super::kept::bits_of;
 use crate::backends::Counts;
+use crate::control::Control;
 use crate::stages::scatter::as_atomic;
-use crate::stages::sort::radix::Pair;
+use crate::stages::sort::radix::{Pair, sort_indices_while};
 
 /// A cell on more tiles than this is listed once instead of once a tile; chosen: few cells are so large.
 pub(super) const MANY_TILES: usize = SmallTileBox::MAX_TILES;
 /// Chunks of blocks; enough for work stealing, few enough for the counts of all tiles.
 const CHUNKS: usize = 64;
 /// Cells that are put into tiles between two looks at whether the frame is still wanted.
-const SCATTER: usize = 1 << 16;
+const SCATTER: usize = 1 << 14;
 /// Share of a frame that filling the bins is said to be.
 pub(super) const FILLING: f64 = 0.2;
 
@@ -58,6 +59,7 @@ pub(super) struct Bins {
     pub(super) grid: TileGrid,
     /// The rows of tiles that are filled.
     pub(super) rows: Range<u32>,
+    /// Those of all tiles, in memory that is as long as they ever were.
     pub(super) pairs: Vec<Pair>,
     /// Where each tile's pairs begin, and where the last one's end.
     pub(super) starts: Vec<usize>,
@@ -151,13 +153,22 @@ impl Bins {
             next += of_tile as usize;
         }
         self.starts.push(next);
-        if self.pairs.capacity() < next {
-            // Memory that the system clears when it is first written to, by the threads that write.
+        self.make_room(next);
+    }
+
+    /// Room for so many pairs. What stood there is written over.
+    pub(super) fn make_room(&mut self, pairs: usize) {
+        if self.pairs.len() < pairs {
+            // What it held is not copied: it goes before memory is asked for that the system clears when it is first written to, by the
+            // threads that write.
             self.pairs = Vec::new();
-            self.pairs = vec![0; next];
-        } else {
-            self.pairs.resize(next, 0);
+            self.pairs = vec![0; pairs];
         }
+    }
+
+    /// How many pairs all tiles have.
+    pub(super) fn pairs(&self) -> u64 {
+        self.starts.last().map_or(0, |&end| end as u64)
     }
 
     /// Sums up what the chunks found.
@@ -179,7 +190,7 @@ impl Bins {
         clippy::stable_sort_primitive,
         reason = "it merges two runs that are in order, and does not sort them anew"
     )]
-    pub(super) fn pairs_of(&self, tile: usize, order: &mut Vec<Pair>) {
+    pub(super) fn pairs_of(&self, control: &Control, tile: usize, (order, scratch): (&mut Vec<Pair>, &mut Vec<Pair>)) {
         let place = tile - self.grid.tiles(&self.rows).start;
         let pairs = &self.pairs[self.starts[place]..self.starts[place + 1]];
         let [column, row] = self.grid.place(tile);
@@ -189,7 +200,7 @@ impl Bins {
         // Without keys the order is that of memory. Which cells are listed aside depends on the region: they go where they belong,
         // by a merge of two runs.
         if self.has_no_keys && self.is_shuffled {
-            order.sort_unstable();
+            sort_indices_while(control, order, scratch);
         } else if self.has_no_keys && order.len() > pairs.len() {
             order.sort();
         }

@@ -8,7 +8,11 @@ use super::log::Log;
 use super::simd::Simd;
 use super::sink::{Fragments, Sink};
 use super::tile::PIXELS;
+use crate::control::Control;
 use crate::optics::{LANES, Optics};
+
+/// Fragments between two looks at the token.
+const LOOK: usize = 1 << 15;
 
 /// A fragment on its own.
 #[derive(Clone, Copy, Debug)]
@@ -33,12 +37,17 @@ impl Collect {
         self.fragments.clear();
     }
 
-    /// Writes the pixels of its blocks to `out`, block by block, lane by lane.
-    pub(super) fn composite<O: Optics>(&mut self, optics: &O, out: &mut [[f32; 4]; PIXELS]) {
+    /// Writes the pixels of its blocks to `out`, block by block, lane by lane, until the end is asked for.
+    pub(super) fn composite<O: Optics>(&mut self, control: &Control, optics: &O, out: &mut [[f32; 4]; PIXELS]) {
         // Count, scan, write: the fragments of a pixel together, in the order they came.
         let mut starts = [0_u32; PIXELS + 1];
-        for fragment in &self.fragments {
-            starts[fragment.pixel as usize + 1] += 1;
+        for fragments in self.fragments.chunks(LOOK) {
+            if control.is_cancelled() {
+                return;
+            }
+            for fragment in fragments {
+                starts[fragment.pixel as usize + 1] += 1;
+            }
         }
         for pixel in 0..PIXELS {
             starts[pixel + 1] += starts[pixel];
@@ -46,12 +55,18 @@ impl Collect {
         let mut places = starts;
         self.fragment_from_sorted.resize(self.fragments.len(), 0);
         for (i, fragment) in self.fragments.iter().enumerate() {
+            if i % LOOK == 0 && control.is_cancelled() {
+                return;
+            }
             let place = &mut places[fragment.pixel as usize];
             self.fragment_from_sorted[*place as usize] = i as u32;
             *place += 1;
         }
         let is_mine = |pixel: usize| self.blocks >> (pixel / LANES) & 1 == 1;
         for (pixel, out) in out.iter_mut().enumerate().filter(|&(pixel, _)| is_mine(pixel)) {
+            if control.is_cancelled() {
+                return;
+            }
             let of_pixel = &mut self.fragment_from_sorted[starts[pixel] as usize..starts[pixel + 1] as usize];
             of_pixel.sort_by(|&a, &b| {
                 let v = |i: u32| self.fragments[i as usize].v_enter;

@@ -52,8 +52,9 @@ impl Default for Scratch {
     }
 }
 
-/// Batches of cells between two looks at whether the frame is still wanted: less than 5 ms where each covers the tile.
-const LOOK: usize = 32;
+/// Batches of cells between two looks at whether the frame is still wanted: some milliseconds where each is a polyhedron that covers the
+/// tile, and microseconds as a rule, beside which a look is nothing.
+const LOOK: usize = 2;
 
 /// Sends the fragments of the cells of `order` to `sink`.
 #[inline(always)]

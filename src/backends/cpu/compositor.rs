@@ -92,7 +92,7 @@ impl TileCompositor {
         } else {
             let filled = self.bins.fill(&Projector { takes_all: source == Source::WholeBins, ..projector });
             frame.control.check()?;
-            add_filling(profile, start.elapsed(), &filled, self.bins.pairs.len() as u64);
+            add_filling(profile, start.elapsed(), &filled, self.bins.pairs());
             counts = filled.counts;
             if still.is_some() {
                 self.kept.take(&self.bins, source, &counts);
@@ -137,7 +137,7 @@ impl TileCompositor {
             let start = Instant::now();
             let rows = census.band(row, &plan);
             let filled = self.bins.fill_band(&Projector::new(frame, &self.screen, kernels), &census, rows);
-            add_filling(profile, start.elapsed(), &filled, self.bins.pairs.len() as u64);
+            add_filling(profile, start.elapsed(), &filled, self.bins.pairs());
             frame.control.check()?;
             let drawn = self.draw_tiles(frame, optics, (image, Some(&plan)), (false, &mut []), profile);
             frame.control.check()?;
@@ -179,7 +179,7 @@ impl TileCompositor {
 
         let elapsed = start.elapsed();
         let total = (drawn.sort_secs + drawn.draw_secs).max(f64::MIN_POSITIVE);
-        let pairs = self.bins.pairs.len() as u64;
+        let pairs = self.bins.pairs();
         if is_kept {
             profile.add("composite", elapsed, 0);
         } else {

@@ -12,6 +12,7 @@ use super::bins::Bins;
 use super::block::Projector;
 use crate::backends::{Counts, Frame};
 use crate::columns::Dataset;
+use crate::control::Control;
 use crate::stages::View;
 use crate::stages::cull;
 use crate::stages::sort::SortKey;
@@ -19,6 +20,9 @@ use crate::stages::sort::radix::{Pair, index_of, pair};
 
 /// Words of the bits of a block.
 const WORDS: usize = Dataset::BLOCK_CELLS / 64;
+
+/// Cells of a tile that are looked at between two looks at the token.
+const LOOK: usize = 1 << 15;
 
 /// How a frame comes to its order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -150,8 +154,8 @@ pub(super) struct Filter<'a> {
 }
 
 impl Filter<'_> {
-    /// Takes over those of `cells` that show, in their order.
-    pub(super) fn sift(self, cells: &[u32], order: &mut Vec<Pair>) {
+    /// Takes over those of `cells` that show, in their order, until the end is asked for.
+    pub(super) fn sift(self, control: &Control, cells: &[u32], order: &mut Vec<Pair>) {
         order.clear();
         let Some(shown) = self.shown else {
             order.extend(cells.iter().map(|&cell| pair(0, cell)));
@@ -164,15 +168,17 @@ impl Filter<'_> {
             let bit = bit_of(cell as usize);
             shown[bit / 64] >> (bit % 64) & 1 == 1
         };
-        order.extend(cells.iter().filter(shows).map(|&cell| pair(0, cell)));
+        for cells in cells.chunks(LOOK).take_while(|_| !control.is_cancelled()) {
+            order.extend(cells.iter().filter(shows).map(|&cell| pair(0, cell)));
+        }
     }
 
     /// Keeps `order` in `cells`, and passes over what does not show.
-    pub(super) fn keep(self, order: &mut Vec<Pair>, cells: &mut Vec<u32>) {
+    pub(super) fn keep(self, control: &Control, order: &mut Vec<Pair>, cells: &mut Vec<u32>) {
         cells.clear();
         cells.extend(order.iter().map(|&pair| index_of(pair)));
         if self.shown.is_some() {
-            self.sift(cells, order);
+            self.sift(control, cells, order);
         }
     }
 }

@@ -22,7 +22,7 @@ use crate::backends::{Counts, Frame};
 use crate::optics::{LANES, Optics};
 use crate::profile::anonymous_bytes;
 use crate::stages::footprints::hexahedra::TRIANGLES;
-use crate::stages::sort::radix::{Pair, sort_local};
+use crate::stages::sort::radix::{Pair, sort_local_while};
 
 /// Slack of the order check in inverse depth, relative (perspective) or in scene units (parallel rays): some ulp, where
 /// neighbouring cells of 10^8 differ by 1e-3.
@@ -131,16 +131,17 @@ impl Worker {
         let _span = tracing::trace_span!("tile", tile).entered();
         let mut drawn = Drawn::default();
         let out = &mut *self.pixels;
+        let control = task.frame.control;
         match kept {
-            Some(cells) if task.is_kept => task.filter.sift(cells, &mut self.order),
+            Some(cells) if task.is_kept => task.filter.sift(control, cells, &mut self.order),
             kept => {
-                task.bins.pairs_of(tile, &mut self.order);
+                task.bins.pairs_of(control, tile, (&mut self.order, &mut self.scratch));
                 if !task.frame.keys.are_none() && !self.order.is_empty() {
                     let _span = tracing::trace_span!("sort").entered();
-                    sort_local(&mut self.order, &mut self.scratch);
+                    sort_local_while(control, &mut self.order, &mut self.scratch);
                 }
                 if let Some(cells) = kept {
-                    task.filter.keep(&mut self.order, cells);
+                    task.filter.keep(control, &mut self.order, cells);
                 }
             }
         }
@@ -187,7 +188,7 @@ impl Worker {
             let mut sink = Portion::new(blocks, portion, collect);
             task.kernels.composite(frame, task.optics, order, composite, &mut sink);
             let counts = sink.into_counts();
-            collect.composite(task.optics, pixels);
+            collect.composite(task.frame.control, task.optics, pixels);
             counts
         };
         // A tetrahedron has at most one fragment a pixel, other cells one for two of their triangles.

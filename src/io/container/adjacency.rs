@@ -15,6 +15,7 @@ use super::order::{CELLS_AT_ONCE, Tell};
 use super::sink::Sink;
 use super::write::Phase;
 use crate::columns::{CellColumns, Faces, HEX_FACES, Joiner, Neighbours, Side, TET_FACES, within_blocks};
+use crate::control::Control;
 use crate::error::Result;
 
 /// Words of what is found: a cell, which of its faces, and the cell across.
@@ -105,7 +106,7 @@ impl Pass<'_> {
         open: &mut ExternalSort<{ Side::WORDS }>,
     ) -> Result<()> {
         self.each(cells, |faces, first, rows: &mut [[u32; N]]| {
-            let sides: Vec<Side> = within_blocks(faces, first, rows).flatten_iter().collect();
+            let sides: Vec<Side> = within_blocks(&Control::default(), faces, first, rows).flatten_iter().collect();
             open.push_all(bytemuck::cast_slice(&sides))
         })
     }
@@ -114,7 +115,7 @@ impl Pass<'_> {
     fn write_rows<const N: usize>(&mut self, cells: Range<usize>, found: &mut Found, sink: &mut Sink) -> Result<Span> {
         let mut column = sink.column(Some((cells.len() * size_of::<[u32; N]>()) as u64));
         self.each(cells, |faces, first, rows: &mut [[u32; N]]| {
-            within_blocks(faces, first, rows).for_each(drop);
+            within_blocks(&Control::default(), faces, first, rows).for_each(drop);
             found.fill(first, rows)?;
             sink.append(&mut column, bytemuck::cast_slice(rows.as_flattened()))
         })?;

@@ -9,6 +9,7 @@ mod tests;
 use rayon::prelude::*;
 
 use crate::columns::{Dataset, HEX_FACES, HexahedraView, Neighbours, StructuredBlock, TET_FACES};
+use crate::control::Control;
 
 /// A face of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,8 +34,16 @@ impl Adjacency {
 
     /// That of the tetrahedra and hexahedra of `dataset`: its own where it is right, which is looked at face by face, and otherwise made from the cells.
     pub fn new(dataset: &Dataset) -> Self {
+        Self::new_while(&Control::default(), dataset)
+    }
+
+    /// The same until the end is asked for; then something is missing.
+    pub(crate) fn new_while(control: &Control, dataset: &Dataset) -> Self {
         let stored = dataset.adjacency.as_ref().filter(|stored| stored.first_wrong(dataset).is_none());
-        let neighbours = stored.cloned().unwrap_or_else(|| Neighbours::new(dataset));
+        let neighbours = stored.cloned().unwrap_or_else(|| Neighbours::new_while(control, dataset));
+        if control.is_cancelled() {
+            return Self { neighbours, is_stored: false, exterior: Vec::new() };
+        }
         let mut adjacency = Self { neighbours, is_stored: stored.is_some(), exterior: Vec::new() };
         let rows = adjacency.rows(dataset);
         let is_absent = |cell: usize| {
@@ -45,7 +54,14 @@ impl Adjacency {
             let none = rows.across(cell as u32, faces).filter(|&(_, other)| other == Self::NONE);
             none.map(move |(k, _)| Face { cell: cell as u32, index: k as u32 })
         };
-        adjacency.exterior = (0..dataset.first_polyhedron()).into_par_iter().flat_map_iter(exterior_of).collect();
+        let cells = dataset.first_polyhedron();
+        let of_block = |block: usize| {
+            let start = block * Dataset::BLOCK_CELLS;
+            let end = if control.is_cancelled() { start } else { (start + Dataset::BLOCK_CELLS).min(cells) };
+            (start..end).flat_map(exterior_of)
+        };
+        let blocks = (0..cells.div_ceil(Dataset::BLOCK_CELLS)).into_par_iter();
+        adjacency.exterior = blocks.flat_map_iter(of_block).collect();
         adjacency
     }
 

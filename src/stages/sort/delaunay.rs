@@ -9,6 +9,7 @@ use robust::Coord3D;
 use super::SortKey;
 use super::neighbours::neighbours;
 use crate::columns::Dataset;
+use crate::control::Control;
 
 /// Blocks that are looked at.
 const SAMPLE: usize = 16;
@@ -17,6 +18,11 @@ const SAMPLE: usize = 16;
 ///
 /// Shewchuk's exact predicate on the drawn (f32) positions.
 pub fn delaunay_share(dataset: &Dataset) -> f64 {
+    delaunay_share_while(&Control::default(), dataset)
+}
+
+/// The same until the end is asked for; then it is any share.
+fn delaunay_share_while(control: &Control, dataset: &Dataset) -> f64 {
     let blocks = dataset.blocks.len();
     let step = blocks.div_ceil(SAMPLE).max(1);
     let position = |v: u32| {
@@ -25,10 +31,17 @@ pub fn delaunay_share(dataset: &Dataset) -> f64 {
     };
     let (mut faces, mut delaunay) = (0, 0);
     for block in dataset.blocks.iter().filter(|block| block.cells.start < dataset.tets.len()).step_by(step) {
+        if control.is_cancelled() {
+            break;
+        }
         let cells = block.cells.start as u32..block.cells.end as u32;
         let pairs = neighbours(dataset, cells.into_par_iter());
         faces += pairs.len();
         let is_delaunay = |pair: &&super::neighbours::Neighbours| {
+            // Points on a sphere are told by exact arithmetic, which takes microseconds.
+            if control.is_cancelled() {
+                return false;
+            }
             let apex = |cell: u32| dataset.tets.get(cell as usize).into_iter().find(|v| !pair.triangles[0].contains(v));
             let (Some(ahead), Some(behind)) = (apex(pair.ahead), apex(pair.behind)) else { return false };
             let [a, b, c] = pair.triangles[0].map(position);
@@ -45,8 +58,13 @@ pub fn delaunay_share(dataset: &Dataset) -> f64 {
 /// Measured on generated meshes of 10^5 cells, misordered among all neighbours (`--check-order`): Delaunay, power 0.0 % and
 /// centroid 18 %; a regular grid in six, power 18 % and centroid 0 %; jittered by 0.25, power 25 % and centroid 9 %.
 pub fn best_key(dataset: &Dataset) -> SortKey {
+    best_key_while(&Control::default(), dataset)
+}
+
+/// The same until the end is asked for; then it is any key.
+pub(crate) fn best_key_while(control: &Control, dataset: &Dataset) -> SortKey {
     let has_tets_alone = dataset.tets.len() == dataset.cells();
-    if has_tets_alone && delaunay_share(dataset) > 0.95 { SortKey::Power } else { SortKey::Centroid }
+    if has_tets_alone && delaunay_share_while(control, dataset) > 0.95 { SortKey::Power } else { SortKey::Centroid }
 }
 
 #[cfg(test)]

@@ -22,6 +22,7 @@ use rayon::prelude::*;
 
 use self::settle::{Settler, order_ties};
 use self::spread::{BUCKETS, Counts, SAMPLE, Spread, split_by};
+use crate::control::Control;
 use crate::stages::scatter::as_atomic;
 
 /// A key and an index in one word: ordering words orders keys, then indices.
@@ -48,6 +49,10 @@ pub fn key_of(pair: Pair) -> u32 {
 const DIGITS: usize = 256;
 /// Bits of the key, digit by digit, within the packed word.
 const SHIFTS: [u32; 4] = [32, 40, 48, 56];
+/// Bits of the index.
+const INDEX_SHIFTS: [u32; 4] = [0, 8, 16, 24];
+/// Pairs that [`sort_local_while`] moves between two looks at the token: some tenths of a millisecond.
+const LOOK: usize = 1 << 15;
 /// Below this many pairs the library's sort is used: four passes and their counts cost the same for any few. Chosen, not measured.
 const SMALL: usize = 384;
 /// Pairs a thread takes at least; below two of these [`sort_local`] does it all.
@@ -60,18 +65,40 @@ fn digit(pair: Pair, shift: u32) -> usize {
 
 /// Sorts `pairs` by key and index on the calling thread. `scratch` is grown as needed.
 pub fn sort_local(pairs: &mut Vec<Pair>, scratch: &mut Vec<Pair>) {
+    sort_local_while(&Control::default(), pairs, scratch);
+}
+
+/// The same until the end is asked for; then pairs stand in any order.
+pub(crate) fn sort_local_while(control: &Control, pairs: &mut Vec<Pair>, scratch: &mut Vec<Pair>) {
+    if sort_digits(control, pairs, scratch, SHIFTS) {
+        order_ties(pairs);
+    }
+}
+
+/// Sorts pairs of one key by index, until the end is asked for.
+pub(crate) fn sort_indices_while(control: &Control, pairs: &mut Vec<Pair>, scratch: &mut Vec<Pair>) {
+    sort_digits(control, pairs, scratch, INDEX_SHIFTS);
+}
+
+/// Sorts by the digits at `shifts`, the least first, equal ones as they came; whether all of it was done.
+fn sort_digits(control: &Control, pairs: &mut Vec<Pair>, scratch: &mut Vec<Pair>, shifts: [u32; 4]) -> bool {
     if pairs.len() < SMALL {
         pairs.sort_unstable();
-        return;
+        return true;
     }
     scratch.resize(pairs.len(), 0);
-    let mut counts = [[0_u32; DIGITS]; SHIFTS.len()];
-    for &pair in pairs.iter() {
-        for (counts, shift) in counts.iter_mut().zip(SHIFTS) {
-            counts[digit(pair, shift)] += 1;
+    let mut counts = [[0_u32; DIGITS]; 4];
+    for pairs in pairs.chunks(LOOK) {
+        if control.is_cancelled() {
+            return false;
+        }
+        for &pair in pairs {
+            for (counts, shift) in counts.iter_mut().zip(shifts) {
+                counts[digit(pair, shift)] += 1;
+            }
         }
     }
-    for (counts, shift) in counts.iter_mut().zip(SHIFTS) {
+    for (counts, shift) in counts.iter_mut().zip(shifts) {
         if counts.iter().any(|&n| n as usize == pairs.len()) {
             continue;
         }
@@ -79,14 +106,19 @@ pub fn sort_local(pairs: &mut Vec<Pair>, scratch: &mut Vec<Pair>) {
         for count in counts.iter_mut() {
             start += std::mem::replace(count, start);
         }
-        for &pair in pairs.iter() {
-            let place = &mut counts[digit(pair, shift)];
-            scratch[*place as usize] = pair;
-            *place += 1;
+        for pairs in pairs.chunks(LOOK) {
+            if control.is_cancelled() {
+                return false;
+            }
+            for &pair in pairs {
+                let place = &mut counts[digit(pair, shift)];
+                scratch[*place as usize] = pair;
+                *place += 1;
+            }
         }
         std::mem::swap(pairs, scratch);
     }
-    order_ties(pairs);
+    true
 }
 
 /// Sorts `pairs` by key and index on all threads of the current pool. `scratch` is grown as needed.

@@ -5,20 +5,31 @@
 //! cell with the fewest others before it is let go, the nearest of them, and what is left of the component is looked at again.
 //! O(relations) for each time that a component falls apart, over its own cells.
 
+use super::LOOK;
 use super::graph::{Graph, Relation, farther, nearer, relation};
+use crate::control::Control;
 use crate::stages::sort::adjacency::Across;
 
 const NONE: u32 = u32::MAX;
 
 /// Cuts all cycles among `cells`, ascending; how many cells were let go. `depth` is a key that orders nearly.
-pub(super) fn cut<A: Across>(graph: &mut Graph<A>, cells: Vec<u32>, depth: impl Fn(u32) -> u32) -> u64 {
+/// Until the end is asked for.
+pub(super) fn cut<A: Across>(
+    control: &Control,
+    graph: &mut Graph<A>,
+    cells: Vec<u32>,
+    depth: impl Fn(u32) -> u32,
+) -> u64 {
     let mut places = vec![NONE; graph.len()];
     let mut into: Vec<Relation> = graph.relations.iter().map(|&r| relation(farther(r), nearer(r))).collect();
     into.sort_unstable();
     let (mut let_go, mut cut_relations) = (0, Vec::new());
     let mut parts = vec![cells];
     while let Some(part) = parts.pop() {
-        for component in components(graph, &part, &mut places) {
+        for component in components(control, graph, &part, &mut places) {
+            if control.is_cancelled() {
+                return 0;
+            }
             let Component { mut cells, before } = component;
             let least = (0..cells.len()).min_by_key(|&i| (before[i], depth(cells[i]), cells[i])).unwrap_or(0);
             let cell = cells.remove(least);
@@ -50,7 +61,7 @@ struct Component {
 }
 
 /// The strongly connected components of more than one cell among `cells`. `places` holds `NONE` for every cell, and does again.
-fn components<A: Across>(graph: &Graph<A>, cells: &[u32], places: &mut [u32]) -> Vec<Component> {
+fn components<A: Across>(control: &Control, graph: &Graph<A>, cells: &[u32], places: &mut [u32]) -> Vec<Component> {
     for (place, &cell) in cells.iter().enumerate() {
         places[cell as usize] = place as u32;
     }
@@ -62,7 +73,13 @@ fn components<A: Across>(graph: &Graph<A>, cells: &[u32], places: &mut [u32]) ->
     for &cell in cells {
         places[cell as usize] = NONE;
     }
-    let (component_from_place, count) = strongly_connected(&starts, &targets);
+    if control.is_cancelled() {
+        return Vec::new();
+    }
+    let (component_from_place, count) = strongly_connected(control, &starts, &targets);
+    if control.is_cancelled() {
+        return Vec::new();
+    }
     let mut sizes = vec![0; count];
     for &component in &component_from_place {
         sizes[component as usize] += 1;
@@ -89,7 +106,7 @@ fn components<A: Across>(graph: &Graph<A>, cells: &[u32], places: &mut [u32]) ->
 }
 
 /// The component of each node of a graph in compressed rows, and how many there are. Tarjan's algorithm with a stack of its own.
-fn strongly_connected(starts: &[usize], targets: &[u32]) -> (Vec<u32>, usize) {
+fn strongly_connected(control: &Control, starts: &[usize], targets: &[u32]) -> (Vec<u32>, usize) {
     let nodes = starts.len() - 1;
     let (mut component_from_node, mut components) = (vec![NONE; nodes], 0);
     // The order in which nodes were found, and the earliest that each reaches.
@@ -97,7 +114,7 @@ fn strongly_connected(starts: &[usize], targets: &[u32]) -> (Vec<u32>, usize) {
     let mut next = 0;
     let (mut open, mut path): (Vec<u32>, Vec<(usize, usize)>) = (Vec::new(), Vec::new());
     for root in 0..nodes {
-        if found[root] != NONE {
+        if found[root] != NONE || (root % LOOK == 0 && control.is_cancelled()) {
             continue;
         }
         path.push((root, starts[root]));
@@ -153,7 +170,7 @@ mod tests {
             pairs.sort_unstable();
             let starts: Vec<usize> = (0..=nodes).map(|node| pairs.partition_point(|&(from, _)| from < node)).collect();
             let targets: Vec<u32> = pairs.iter().map(|&(_, to)| to).collect();
-            let (component, count) = strongly_connected(&starts, &targets);
+            let (component, count) = strongly_connected(&Control::default(), &starts, &targets);
             // The slow twin: who reaches whom, by Warshall.
             let mut reaches = vec![vec![false; nodes]; nodes];
             for (node, reached) in reaches.iter_mut().enumerate() {

@@ -13,11 +13,15 @@ use rayon::prelude::*;
 
 use super::graph::{Relation, relation};
 use super::outline::{Outline, Seen};
+use crate::control::Control;
 use crate::stages::footprints::{PixelBox, PixelBoxes};
 use crate::stages::sort::adjacency::Adjacency;
 
 /// Side of a square in pixels, and rows of a band.
 pub(super) const SQUARE: usize = 16;
+/// Faces, and outlines of a band, between two looks at the token.
+const FACES: usize = 1 << 12;
+const OUTLINES: usize = 1 << 6;
 /// A face on more bands than this is looked at by all of them. Chosen: it bounds the lists of all bands.
 const MANY_BANDS: usize = 8;
 /// Entries and exits closer than this stand in the order in which cells follow each other, and not overlap: what compositors allow
@@ -38,11 +42,18 @@ pub(super) struct Exterior {
 }
 
 impl Exterior {
-    /// Writes what the rays of all pixels relate to `relations`, ascending, each once.
-    pub(super) fn relations(&mut self, seen: Seen, adjacency: &Adjacency, relations: &mut Vec<Relation>) {
+    /// Writes what the rays of all pixels relate to `relations`, ascending, each once; until the end is asked for.
+    pub(super) fn relations(
+        &mut self,
+        control: &Control,
+        seen: Seen,
+        adjacency: &Adjacency,
+        relations: &mut Vec<Relation>,
+    ) {
         let boxes = PixelBoxes::new(seen.view);
         self.outlines.clear();
-        let outlines = adjacency.exterior().par_iter().flat_map_iter(|&face| seen.outlines(&boxes, face));
+        let faces = adjacency.exterior().par_chunks(FACES).filter(|_| !control.is_cancelled());
+        let outlines = faces.flat_map_iter(|faces| faces.iter().flat_map(|&face| seen.outlines(&boxes, face)));
         self.outlines.par_extend(outlines);
         let bands = (seen.view.size_px[1] as usize).div_ceil(SQUARE);
         self.sort_into_bands(bands);
@@ -51,7 +62,7 @@ impl Exterior {
         let of_bands = (0..bands).into_par_iter().map_init(Band::default, |band, number| {
             let own = &self.outlines_from_band[self.starts[number]..self.starts[number + 1]];
             let tall = self.tall.iter().filter(|&&i| self.outlines[i as usize].bands().contains(&number));
-            band.relations(seen, own.iter().chain(tall).map(|&i| &self.outlines[i as usize]), number)
+            band.relations(control, seen, own.iter().chain(tall).map(|&i| &self.outlines[i as usize]), number)
         });
         relations.par_extend(of_bands.flatten_iter());
         relations.par_sort_unstable();
@@ -115,6 +126,7 @@ struct Band {
 impl Band {
     fn relations<'o>(
         &mut self,
+        control: &Control,
         seen: Seen,
         outlines: impl Iterator<Item = &'o Outline> + Clone,
         number: usize,
@@ -137,7 +149,10 @@ impl Band {
         let v_near = seen.v_near();
 
         self.events.clear();
-        for outline in outlines {
+        for (nth, outline) in outlines.enumerate() {
+            if nth % OUTLINES == 0 && control.is_cancelled() {
+                return Vec::new();
+            }
             let squares = squares_of(outline.pixels);
             if !self.squares[squares.clone()].iter().any(|&square| may_cross(square)) {
                 continue;
@@ -157,11 +172,11 @@ impl Band {
                 }
             }
         }
-        self.relate(rows.len() * width, seen.view.is_perspective)
+        self.relate(control, rows.len() * width, seen.view.is_perspective)
     }
 
     /// Sorts events by pixel (count, scan, write) and relates those of each.
-    fn relate(&mut self, pixels: usize, is_perspective: bool) -> Vec<Relation> {
+    fn relate(&mut self, control: &Control, pixels: usize, is_perspective: bool) -> Vec<Relation> {
         let Self { events, events_from_pixel, starts, ray, .. } = self;
         let mut relations = Vec::new();
         if events.is_empty() {
@@ -185,6 +200,9 @@ impl Band {
         // Pixel by pixel much is the same; what is still there twice goes whenever the list has doubled.
         let mut limit = 1 << 16;
         for events in events_from_pixel.chunk_by_mut(|a, b| a.pixel == b.pixel) {
+            if control.is_cancelled() {
+                break;
+            }
             ray.relate(events, is_perspective);
             relations.extend(ray.relations.iter().filter(|r| !ray.last.contains(r)));
             std::mem::swap(&mut ray.relations, &mut ray.last);

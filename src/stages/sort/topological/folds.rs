@@ -11,11 +11,13 @@ use rayon::prelude::*;
 
 use super::graph::{Relation, relation};
 use super::outline::{Outline, Seen};
+use crate::control::Control;
 use crate::stages::footprints::PixelBoxes;
 use crate::stages::sort::adjacency::{Across, Adjacency, Face};
 
 /// Appends what such faces relate to `relations`, which stay ascending, each once; how many faces ask for both orders.
-pub(super) fn relations(seen: Seen, adjacency: &Adjacency, relations: &mut Vec<Relation>) -> u64 {
+/// Until the end is asked for.
+pub(super) fn relations(control: &Control, seen: Seen, adjacency: &Adjacency, relations: &mut Vec<Relation>) -> u64 {
     let (rows, boxes) = (adjacency.rows(seen.dataset), PixelBoxes::new(seen.view));
     let v_near = seen.v_near();
     let related = |cell: u32, k: usize, other: u32| {
@@ -31,7 +33,7 @@ pub(super) fn relations(seen: Seen, adjacency: &Adjacency, relations: &mut Vec<R
     let first = seen.dataset.tets.len() as u32;
     let found: Vec<(Relation, bool)> = (first..seen.dataset.cells() as u32)
         .into_par_iter()
-        .filter(|&cell| seen.sides_from_cell[cell as usize].both() != 0)
+        .filter(|&cell| seen.sides_from_cell[cell as usize].both() != 0 && !control.is_cancelled())
         .flat_map_iter(|cell| {
             let across = rows.across(cell, seen.sides_from_cell[cell as usize].both());
             // Each such face once; both its cells are hexahedra.

@@ -7,7 +7,8 @@ use crate::stages::sort::adjacency::{Across, Adjacency};
 
 /// Where what lies across each face of a cell stands, a bit for each of up to eight faces. Neither, where the face is edge-on; both,
 /// where its two triangles are seen from different sides.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Zeroable)]
 pub(super) struct Sides {
     /// Across this face lies what comes before the cell: rays enter here.
     pub(super) before: u8,

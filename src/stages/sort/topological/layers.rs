@@ -11,6 +11,8 @@
 use rayon::prelude::*;
 
 use super::graph::{Graph, Sides, farther};
+use super::{LOOK, set_len};
+use crate::control::Control;
 use crate::stages::sort::adjacency::{Across, Face};
 
 /// Cells that one thread counts in one go.
@@ -27,20 +29,25 @@ pub(super) struct Layering {
 
 impl Layering {
     /// Places all cells but those that wait for each other, and writes their layers to `layer_from_cell`; how many layers there are, and
-    /// whether these are all cells.
+    /// whether these are all cells. It stops where the end is asked for.
     pub(super) fn place<A: Across>(
         &mut self,
+        control: &Control,
         graph: &Graph<A>,
         exterior: &[Face],
         layer_from_cell: &mut Vec<u32>,
     ) -> (u32, bool) {
-        self.count(graph, exterior);
+        set_len(&mut self.waits_for, graph.len());
+        self.count(control, graph, exterior);
         let Self { waits_for, queue } = self;
-        layer_from_cell.resize(waits_for.len(), 0);
-        queue.resize(waits_for.len() + 1, 0);
+        set_len(layer_from_cell, waits_for.len());
+        set_len(queue, waits_for.len() + 1);
         // A cell that may be ready is written to the end, which moves on if it is: no branch can foretell that.
         let (mut first, mut end) = (0, 0);
         for (cell, &waits) in waits_for.iter().enumerate() {
+            if cell % LOOK == 0 && control.is_cancelled() {
+                return (0, false);
+            }
             queue[end] = cell as u32;
             end += usize::from(waits == 0);
         }
@@ -48,6 +55,9 @@ impl Layering {
         while first < end {
             let next = end;
             while first < next {
+                if first % LOOK == 0 && control.is_cancelled() {
+                    return (0, false);
+                }
                 let cell = queue[first];
                 first += 1;
                 layer_from_cell[cell as usize] = layer;
@@ -66,15 +76,23 @@ impl Layering {
     }
 
     /// Counts what each cell waits for: what lies across the faces before it, but where that is the open, and what rays relate.
-    fn count<A: Across>(&mut self, graph: &Graph<A>, exterior: &[Face]) {
+    fn count<A: Across>(&mut self, control: &Control, graph: &Graph<A>, exterior: &[Face]) {
         let waits_for = &mut self.waits_for;
-        let before = |sides: &Sides| sides.only_before().count_ones();
-        graph.sides_from_cell.par_iter().with_min_len(RUN).map(before).collect_into_vec(waits_for);
-        for &Face { cell, index } in exterior {
-            waits_for[cell as usize] -= u32::from(graph.sides_from_cell[cell as usize].only_before() >> index & 1);
+        let count = |(waits, sides): (&mut [u32], &[Sides])| {
+            if !control.is_cancelled() {
+                waits.iter_mut().zip(sides).for_each(|(waits, sides)| *waits = sides.only_before().count_ones());
+            }
+        };
+        waits_for.par_chunks_mut(RUN).zip(graph.sides_from_cell.par_chunks(RUN)).for_each(count);
+        for faces in exterior.chunks(LOOK).take_while(|_| !control.is_cancelled()) {
+            for &Face { cell, index } in faces {
+                waits_for[cell as usize] -= u32::from(graph.sides_from_cell[cell as usize].only_before() >> index & 1);
+            }
         }
-        for &relation in graph.relations.iter() {
-            waits_for[farther(relation) as usize] += 1;
+        for relations in graph.relations.chunks(LOOK).take_while(|_| !control.is_cancelled()) {
+            for &relation in relations {
+                waits_for[farther(relation) as usize] += 1;
+            }
         }
     }
 

@@ -35,6 +35,7 @@ use super::adjacency::{Across, Adjacency, Face};
 use super::centroid::Centroid;
 use super::{Toward, key_of_depth};
 use crate::columns::Dataset;
+use crate::control::Control;
 use crate::stages::{SceneVertex, View};
 
 /// What a topological order came to.
@@ -62,11 +63,26 @@ pub struct Topological {
 impl Topological {
     /// Finds the order of all cells of `dataset` in `view`; the same for any number of threads.
     pub fn order(&mut self, dataset: &Dataset, adjacency: &Adjacency, vertices: &[SceneVertex], view: &View) -> Layers {
-        self.sides_from_cell.resize(dataset.cells(), Sides::default());
-        sides::sides(dataset, vertices, Toward::new(view), &mut self.sides_from_cell);
+        self.order_while(&Control::default(), dataset, adjacency, vertices, view)
+    }
+
+    /// The same until the end is asked for; then it is no order.
+    pub(crate) fn order_while(
+        &mut self,
+        control: &Control,
+        dataset: &Dataset,
+        adjacency: &Adjacency,
+        vertices: &[SceneVertex],
+        view: &View,
+    ) -> Layers {
+        set_len(&mut self.sides_from_cell, dataset.cells());
+        sides::sides(control, dataset, vertices, Toward::new(view), &mut self.sides_from_cell);
         let seen = Seen { dataset, sides_from_cell: &self.sides_from_cell, vertices, view };
-        self.exterior.relations(seen, adjacency, &mut self.relations);
-        let both_ways = folds::relations(seen, adjacency, &mut self.relations);
+        self.exterior.relations(control, seen, adjacency, &mut self.relations);
+        let both_ways = folds::relations(control, seen, adjacency, &mut self.relations);
+        if control.is_cancelled() {
+            return Layers::default();
+        }
         let relations = self.relations.len() as u64;
 
         let centroid = Centroid::new(view);
@@ -74,28 +90,34 @@ impl Topological {
         let exterior = adjacency.exterior();
         let (layers, let_go) = if dataset.hexahedra.is_empty() {
             let depth = |cell: u32| centroid.depth(dataset.tets.get(cell as usize).map(corner));
-            self.layers(adjacency.tet_rows(), exterior, depth)
+            self.layers(control, adjacency.tet_rows(), exterior, depth)
         } else {
             let hexahedra = dataset.hexahedra.view();
             let depth = |cell: u32| match (cell as usize).checked_sub(dataset.tets.len()) {
                 None => centroid.depth(dataset.tets.get(cell as usize).map(corner)),
                 Some(cell) => centroid.depth(hexahedra.get(cell).map(corner)),
             };
-            self.layers(adjacency.rows(dataset), exterior, depth)
+            self.layers(control, adjacency.rows(dataset), exterior, depth)
         };
         Layers { layers, cycles: both_ways + let_go, relations }
     }
 
     /// Finds the layers of cells whose sides and relations are known; how many there are, and how many cells were let go. `depth` is a
     /// key that orders nearly.
-    fn layers(&mut self, neighbours: impl Across, exterior: &[Face], depth: impl Fn(u32) -> f32) -> (u32, u64) {
+    fn layers(
+        &mut self,
+        control: &Control,
+        neighbours: impl Across,
+        exterior: &[Face],
+        depth: impl Fn(u32) -> f32,
+    ) -> (u32, u64) {
         let Self { sides_from_cell, relations, layering, layer_from_cell, .. } = self;
         let mut graph = Graph { neighbours, sides_from_cell, relations };
-        let (mut layers, are_all) = layering.place(&graph, exterior, layer_from_cell);
+        let (mut layers, are_all) = layering.place(control, &graph, exterior, layer_from_cell);
         let mut let_go = 0;
-        if !are_all {
-            let_go = cycles::cut(&mut graph, layering.waiting(), |cell| key_of_depth(depth(cell)));
-            (layers, _) = layering.place(&graph, exterior, layer_from_cell);
+        if !are_all && !control.is_cancelled() {
+            let_go = cycles::cut(control, &mut graph, layering.waiting(), |cell| key_of_depth(depth(cell)));
+            (layers, _) = layering.place(control, &graph, exterior, layer_from_cell);
         }
         (layers, let_go)
     }
@@ -103,5 +125,18 @@ impl Topological {
     /// The layer of each cell in the last order, 0 the nearest: cells of one layer hide nothing of each other.
     pub fn layer_from_cell(&self) -> &[u32] {
         &self.layer_from_cell
+    }
+}
+
+/// Cells between two looks at the token where little is done for each.
+const LOOK: usize = 1 << 16;
+
+/// Makes `values` so long; memory that is asked for anew is cleared by the system when it is first written to.
+fn set_len<T: Clone + bytemuck::Zeroable>(values: &mut Vec<T>, len: usize) {
+    if values.capacity() < len {
+        *values = Vec::new();
+        *values = bytemuck::zeroed_vec(len);
+    } else {
+        values.resize(len, T::zeroed());
     }
 }

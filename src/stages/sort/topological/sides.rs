@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use super::graph::Sides;
 use crate::columns::{BlockCells, BlockTets, Dataset, HEX_FACES, HexShape, HexahedraView};
+use crate::control::Control;
 use crate::stages::SceneVertex;
 use crate::stages::classify::OUTWARD_IF_POSITIVE;
 use crate::stages::sort::Toward;
@@ -23,13 +24,22 @@ const OUTWARD: u8 = {
     bits
 };
 
-/// Fills `sides_from_cell`, which has a place for each cell.
-pub(super) fn sides(dataset: &Dataset, vertices: &[SceneVertex], toward: Toward, sides_from_cell: &mut [Sides]) {
+/// Fills `sides_from_cell`, which has a place for each cell, until the end is asked for.
+pub(super) fn sides(
+    control: &Control,
+    dataset: &Dataset,
+    vertices: &[SceneVertex],
+    toward: Toward,
+    sides_from_cell: &mut [Sides],
+) {
     // Blocks are of one kind, so that those of hexahedra begin anew.
     let (of_tets, of_hexahedra) = sides_from_cell.split_at_mut(dataset.tets.len());
     let [of_tets, of_hexahedra] = [of_tets, of_hexahedra].map(|sides| sides.par_chunks_mut(Dataset::BLOCK_CELLS));
     let corner = |v: u32| Vec3::from_array(vertices[v as usize].position).as_dvec3();
     of_tets.chain(of_hexahedra).enumerate().for_each(|(block, sides)| {
+        if control.is_cancelled() {
+            return;
+        }
         let block = dataset.block(block);
         match &block.cells {
             BlockCells::Tets(tets) => {
