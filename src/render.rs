@@ -289,7 +289,10 @@ impl Renderer {
         }
         let refuse = |option, problem: &str| Err(Error::Option { option, problem: problem.to_owned() });
         if self.options.faces == Faces::Fan {
-            return refuse("--faces", "prisms and polyhedra have exact faces only; leave it out, or say --cells tetrahedra");
+            return refuse(
+                "--faces",
+                "prisms and polyhedra have exact faces only; leave it out, or say --cells tetrahedra",
+            );
         }
         if self.checks_order() && scene.dataset.polyhedra.most().corners > PolyFan::CORNERS_MAX {
             return refuse("--backend gpu", "a polyhedron has more than 32,768 corners; say --backend cpu");

@@ -39,10 +39,17 @@ fn a_container_of_polyhedra_is_the_same_mesh() {
                 std::fs::read(place.path("out.npy")).unwrap()
             };
             let expected = picture("mesh.vtu");
-            assert!(picture("converted.cells") == expected && picture("generated.cells") == expected, "{kind}, {array}");
+            assert!(
+                picture("converted.cells") == expected && picture("generated.cells") == expected,
+                "{kind}, {array}"
+            );
         }
         let info = place.run(["info", "converted.cells", "--json", "--check"]).succeeds().json();
-        assert_eq!((&info["kinds"][0]["name"], info["kinds"][0]["code"].as_u64()), (&"polyhedron".into(), Some(42)), "{info}");
+        assert_eq!(
+            (&info["kinds"][0]["name"], info["kinds"][0]["code"].as_u64()),
+            (&"polyhedron".into(), Some(42)),
+            "{info}"
+        );
     }
     place.run(["render", "converted.cells", "-o", "out.png", "--cells", "tetrahedra"]).succeeds();
 }

@@ -281,7 +281,8 @@ fn an_eye_on_a_corner_sees_all_cells_around_it() {
         assert_eq!(places.len(), 9);
         let case = Case::of(dataset, field);
         let transfer = TransferFunction::new(vec![point(0.0, [1.0; 3], 1.5)]).unwrap();
-        for (place, model) in places.into_iter().zip([Model::EmissionAbsorption, Model::Absorption].into_iter().cycle()) {
+        for (place, model) in places.into_iter().zip([Model::EmissionAbsorption, Model::Absorption].into_iter().cycle())
+        {
             let [_, (_, mut camera), _] = three_views(60, 48);
             camera.eye = place;
             let image = case.render(RenderOptions { model, ..RenderOptions::default() }, &transfer, &camera).image;
@@ -289,7 +290,10 @@ fn an_eye_on_a_corner_sees_all_cells_around_it() {
                 let through = (-1.5 * chord_of_unit_cube(&camera, x, y, 0.0)).exp();
                 let expected = if model == Model::Absorption { through } else { 1.0 - through };
                 let found = f64::from(image.pixel(x, y)[3]);
-                assert!((found - expected).abs() < 1e-4, "{name}, {place}, {model}, ({x}, {y}): {found} for {expected}");
+                assert!(
+                    (found - expected).abs() < 1e-4,
+                    "{name}, {place}, {model}, ({x}, {y}): {found} for {expected}"
+                );
             }
         }
     }

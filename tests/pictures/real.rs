@@ -140,9 +140,9 @@ fn an_eye_on_a_corner_of_a_real_mesh() {
     let (dataset, diagonal) = (&case.dataset, case.dataset.diagonal_world());
     let center = dataset.center_world();
     let corner = |v: usize| dataset.origin + DVec3::from_array(dataset.positions[v].map(f64::from));
-    let nearest = (0..dataset.positions.len()).map(corner).min_by(|a, b| {
-        a.distance_squared(center).total_cmp(&b.distance_squared(center))
-    });
+    let nearest = (0..dataset.positions.len())
+        .map(corner)
+        .min_by(|a, b| a.distance_squared(center).total_cmp(&b.distance_squared(center)));
     println!("{} hexahedra, {} polyhedra, {center} {nearest:?}", dataset.hexahedra.len(), dataset.polyhedra.len());
     let transfer = smooth().stretched(case.field.range).unwrap().scaled_extinction(2.0 / diagonal).unwrap();
     for eye in [Some(center), nearest].into_iter().flatten() {

@@ -21,7 +21,9 @@ impl Polyhedra {
         if face_starts.first() != Some(&0) || face_starts.last().is_none_or(|&end| end as usize != around.len()) {
             return Err(("starts of faces", "it does not span the corners of faces".to_owned()));
         }
-        if let Some(face) = face_starts.windows(2).position(|two| two[0].checked_add(3).is_none_or(|least| two[1] < least)) {
+        if let Some(face) =
+            face_starts.windows(2).position(|two| two[0].checked_add(3).is_none_or(|least| two[1] < least))
+        {
             return Err(("starts of faces", format!("face {face} has fewer than three corners")));
         }
         let faces = face_starts.len() - 1;
@@ -32,10 +34,12 @@ impl Polyhedra {
         // Each side of a face is one cell's: what all cells have is bounded by what the file has.
         let mut is_taken = vec![false; 2 * faces];
         for (cell, two) in starts.windows(2).enumerate() {
-            let [[side, corner], [side_end, corner_end]] = [two[0], two[1]].map(|start| start.map(|start| start as usize));
+            let [[side, corner], [side_end, corner_end]] =
+                [two[0], two[1]].map(|start| start.map(|start| start as usize));
             let wrong = |problem: &str| Err(("starts of polyhedra", format!("cell {cell} of them {problem}")));
             // The last one ends where the lists do, so those between stay in them as long as they ascend.
-            let (Some(of_cell), Some(corners_of_cell)) = (sides.get(side..side_end), corners.get(corner..corner_end)) else {
+            let (Some(of_cell), Some(corners_of_cell)) = (sides.get(side..side_end), corners.get(corner..corner_end))
+            else {
                 return wrong("ends before it begins");
             };
             if of_cell.is_empty() || corners_of_cell.is_empty() {
@@ -45,14 +49,18 @@ impl Polyhedra {
                 match is_taken.get_mut(side as usize) {
                     Some(is_taken) if !*is_taken => *is_taken = true,
                     _ => {
-                        let problem = format!("cell {cell} of them names a face that there is none of, or that another has");
+                        let problem =
+                            format!("cell {cell} of them names a face that there is none of, or that another has");
                         return Err(("faces of polyhedra", problem));
                     }
                 }
             }
             let last = corners_of_cell[corners_of_cell.len() - 1];
             if !corners_of_cell.is_sorted_by(|a, b| a < b) || last as usize >= vertices {
-                return Err(("corners of polyhedra", format!("cell {cell} of them has vertices that do not ascend, or are none")));
+                return Err((
+                    "corners of polyhedra",
+                    format!("cell {cell} of them has vertices that do not ascend, or are none"),
+                ));
             }
             let corners_of = |&side: &u32| {
                 let face = side as usize / 2;

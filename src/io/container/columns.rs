@@ -5,9 +5,7 @@ use std::sync::Arc;
 use bytemuck::Pod;
 
 use super::directory::{HexahedraEntry, PolyhedraEntry, Span};
-use crate::columns::{
-    Column, HexCorners, Hexahedra, Polyhedra, PolyhedraColumns, SharedBytes, StructuredBlock,
-};
+use crate::columns::{Column, HexCorners, Hexahedra, Polyhedra, PolyhedraColumns, SharedBytes, StructuredBlock};
 use crate::error::{Error, Result};
 
 impl Span {

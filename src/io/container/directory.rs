@@ -56,7 +56,9 @@ impl Header {
         let version = word(8) as u32;
         if !VERSIONS.contains(&version) {
             let [first, .., last] = VERSIONS;
-            return Err(format!("version {version}; this program reads {first} to {last}; write it again with convert"));
+            return Err(format!(
+                "version {version}; this program reads {first} to {last}; write it again with convert"
+            ));
         }
         let fields = [word(16), word(24), word(32), word(40)];
         let [file_bytes, directory_offset, directory_bytes, directory_checksum] = fields;
@@ -322,7 +324,9 @@ impl Directory {
             spans.push(("shapes".to_owned(), entry.shapes, Some(hexahedra * size_of_shape)));
             match (entry.corners, entry.blocks) {
                 (Some(corners), None) => spans.push(("corners".to_owned(), corners, Some(hexahedra * 32))),
-                (None, Some(blocks)) if tets + polyhedra > 0 || blocks.bytes % size_of::<StructuredBlock>() as u64 != 0 => {
+                (None, Some(blocks))
+                    if tets + polyhedra > 0 || blocks.bytes % size_of::<StructuredBlock>() as u64 != 0 =>
+                {
                     return wrong("blocks beside other cells, or a part of a block");
                 }
                 (None, Some(blocks)) => spans.push(("structured blocks".to_owned(), blocks, None)),

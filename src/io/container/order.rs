@@ -175,9 +175,8 @@ fn extent(source: &dyn CellSource) -> Extent {
         }
         Ok((low, high))
     };
-    let include = |all: Extent, corners: &[u32], file_cell: &dyn Fn() -> u32| {
-        include_of("connectivity", all, corners, file_cell)
-    };
+    let include =
+        |all: Extent, corners: &[u32], file_cell: &dyn Fn() -> u32| include_of("connectivity", all, corners, file_cell);
     let union = |a: Extent, b: Extent| {
         let ((low, high), (other_low, other_high)) = (a?, b?);
         Ok((low.min(other_low), high.max(other_high)))

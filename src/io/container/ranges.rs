@@ -99,10 +99,7 @@ fn of_scalar(
 }
 
 /// Smallest and largest value of the cells whose values are all finite, and how many are not such.
-fn of_block<I: IntoIterator<Item = f64> + Clone>(
-    cells: Range<usize>,
-    values: impl Fn(usize) -> I,
-) -> ([f64; 2], u64) {
+fn of_block<I: IntoIterator<Item = f64> + Clone>(cells: Range<usize>, values: impl Fn(usize) -> I) -> ([f64; 2], u64) {
     cells.map(values).fold((NOTHING, 0), |([low, high], bad), values| {
         if values.clone().into_iter().all(f64::is_finite) {
             (values.into_iter().fold([low, high], |[low, high], value| [low.min(value), high.max(value)]), bad)

@@ -69,8 +69,7 @@ pub fn open(path: &Path, use_map: bool) -> Result<Dataset> {
 
     let polyhedra =
         directory.polyhedra.map_or_else(|| Ok(Polyhedra::none()), |entry| entry.column(&columns.bytes, vertices));
-    let polyhedra =
-        polyhedra.map_err(|(column, problem)| columns.malformed(&format!("column {column}"), problem))?;
+    let polyhedra = polyhedra.map_err(|(column, problem)| columns.malformed(&format!("column {column}"), problem))?;
 
     let neighbours = |from_tet: Span| {
         let from_hexahedron = of_listed.map(|span| columns.of("adjacency of hexahedra", span)).transpose()?;

@@ -250,7 +250,8 @@ impl SoFar {
             let bytes = Arc::clone(&self.bytes);
             let values = NumericColumn::shared(&array.number_type, &array.name, bytes, offset, tuples * components)?;
             let Some(values) = values else { continue };
-            for ranges in ranges::of_array(Cells { tets, hexahedra, polyhedra }, &values, array.association, components) {
+            for ranges in ranges::of_array(Cells { tets, hexahedra, polyhedra }, &values, array.association, components)
+            {
                 array.ranges.push(ranges.write(sink)?);
             }
             tell(Phase::Ranges, i as u64 + 1, count);
