@@ -2,6 +2,8 @@
 
 // Whether there may be HexFans, which take the room of two fans.
 override HAS_HEXAHEDRA: bool = true;
+// Whether there may be PolyFans.
+override HAS_POLYHEDRA: bool = true;
 
 // A Fan, or a PlaneFan (src/stages/fans/planes.rs) in its room, as words:
 //   Fan       thick x y, s min max | front v q, back v q | four times ring x y v q

@@ -24,7 +24,10 @@ struct Side {
 
 // An edge runs from the vertex of lower number, whichever way it is asked for: the same bits for all cells around it.
 fn side(edge: u32, flags: u32, a: vec4<f32>, b: vec4<f32>) -> Side {
-    let is_reversed = (flags >> edge & 1u) != 0u;
+    return side_between((flags >> edge & 1u) != 0u, a, b);
+}
+
+fn side_between(is_reversed: bool, a: vec4<f32>, b: vec4<f32>) -> Side {
     let first = select(a.xy, b.xy, is_reversed);
     let second = select(b.xy, a.xy, is_reversed);
     let product = first.x * second.y - first.y * second.x;

@@ -42,6 +42,9 @@ fn box_vertex(fan: u32, corner: u32, s_range: vec2<f32>) -> Fragment {
     if corner == 0u {
         out.first_px = first_px;
         out.head = fans[fan].words[1];
+        if HAS_POLYHEDRA && (out.head.w & IS_POLYHEDRON) != 0u {
+            out.head.x += fan;
+        }
         out.a = floats(fan, 2u);
         out.b = floats(fan, 3u);
         out.c = floats(fan, 4u);
@@ -59,6 +62,9 @@ fn box_vertex(fan: u32, corner: u32, s_range: vec2<f32>) -> Fragment {
 // All of a cell's light on a ray.
 fn of_cell(in: Fragment) -> vec4<f32> {
     let is_box = in.s_range.x > in.s_range.y;
+    if HAS_POLYHEDRA && is_box && (in.head.w & IS_POLYHEDRON) != 0u {
+        return of_polyhedron(in);
+    }
     if HAS_HEXAHEDRA && is_box && (in.head.w & IS_HEXAHEDRON) != 0u {
         return of_hexahedron(in);
     }

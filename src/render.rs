@@ -51,7 +51,7 @@ use crate::optics::{
 };
 use crate::profile::{CellStats, GeometryStats, OrderStats, Profile};
 use crate::stages::View;
-use crate::stages::fans::Faces;
+use crate::stages::fans::{Faces, PolyFan};
 use crate::stages::sort::topological::Topological;
 use crate::stages::sort::{KeyMaker, SortMethod};
 
@@ -299,13 +299,16 @@ impl Renderer {
             return Ok(());
         }
         let refuse = |option, problem: &str| Err(Error::Option { option, problem: problem.to_owned() });
-        #[cfg(feature = "gpu")]
-        if self.gpu.is_some() {
-            let problem =
-                "prisms and polyhedra are drawn whole on the CPU only; say --backend cpu, or --cells tetrahedra";
-            return refuse("--backend gpu", problem);
+        if self.options.faces == Faces::Fan {
+            return refuse(
+                "--faces",
+                "prisms and polyhedra have exact faces only; leave it out, or say --cells tetrahedra",
+            );
         }
-        if self.draws_fans() {
+        if self.checks_order() && scene.dataset.polyhedra.most().corners > PolyFan::CORNERS_MAX {
+            return refuse("--backend gpu", "a polyhedron has more than 32,768 corners; say --backend cpu");
+        }
+        if self.draws_fans() && !self.checks_order() {
             let problem = "prisms and polyhedra have no fans; use footprints, or --cells tetrahedra";
             return refuse("--cpu-method", problem);
         }

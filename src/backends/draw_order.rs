@@ -2,6 +2,7 @@
 //!
 //! In: a [`Frame`]. Out: [`Slice`]s of the draw order, farthest cells first, each of at most so many fans.
 
+use std::ops::Range;
 use std::time::Instant;
 
 use glam::DVec3;
@@ -43,6 +44,22 @@ impl Slice {
     /// How many fans its cells have.
     pub(super) fn fans(&self) -> usize {
         self.fans_of_run.iter().sum()
+    }
+
+    /// The fans in which there are records, run after run; one run where nothing lies between.
+    #[cfg(feature = "gpu")]
+    pub(super) fn records(&self, input: &FanInput) -> Vec<Range<usize>> {
+        let mut records: Vec<Range<usize>> = Vec::new();
+        let mut first = 0;
+        for (run, &fans) in self.runs.iter().zip(&self.fans_of_run) {
+            let of_run = input.records(first, fans, run.len());
+            first += fans;
+            match records.last_mut() {
+                Some(last) if last.end == of_run.start => last.end = of_run.end,
+                _ => records.push(of_run),
+            }
+        }
+        records
     }
 
     /// Writes them; how many there are by class.

@@ -106,10 +106,8 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
             match what {
                 What::Mesh(kind) => source(kind, &settings)?,
                 What::Phenomenon(kind) => Box::new(phenomenon(kind, &arguments.phenomenon())?),
-                What::Honeycomb | What::Voronoi => {
-                    let problem = "a container holds no polyhedra; end the name in .vtu".to_owned();
-                    return Err(Error::Option { option: "--out", problem }.into());
-                }
+                What::Honeycomb => Box::new(honeycomb(&settings)?),
+                What::Voronoi => Box::new(voronoi(&settings)?),
                 What::Volume => return volume::run(arguments),
             }
         };

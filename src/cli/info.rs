@@ -53,7 +53,7 @@ pub(super) fn run(arguments: &Arguments) -> Outcome {
         match meshes::one_container(paths, arguments.raw)? {
             Some(path) => {
                 let kinds =
-                    container::cells_by_kind(path, !arguments.no_mmap)?.into_iter().map(kinds::of_kind).collect();
+                    container::cells_by_kind(path, !arguments.no_mmap)?.into_iter().map(kinds::of_code).collect();
                 report_container(path, &container::open(path, !arguments.no_mmap)?, kinds)
             }
             None => report(arguments, meshes::open(paths, arguments.raw, &scratch)?)

@@ -1,7 +1,7 @@
 //! `CellSource`: cells that need not be in memory, for a mesh larger than it.
 
 use super::build::check_arrays;
-use super::{Array, Association, CellCounts, CellMesh, Points, TetMesh};
+use super::{Array, Association, CellCounts, CellMesh, FaceLists, Points, TetMesh};
 use crate::error::{Error, Result};
 
 /// Cells in file order that can be asked for one by one: a [`TetMesh`], a [`CellMesh`], or a rule that makes tetrahedra.
@@ -23,6 +23,10 @@ pub trait CellSource: Sync {
     /// The file's cell of each hexahedron.
     fn file_from_hexahedron(&self) -> &[u32] {
         &[]
+    }
+    /// The faces of each polyhedron, and its file's cell.
+    fn polyhedra(&self) -> Option<(&FaceLists, &[u32])> {
+        None
     }
     /// The arrays over points and file cells.
     fn arrays(&self) -> Vec<ArrayHead>;
@@ -119,6 +123,10 @@ impl CellSource for CellMesh {
         &self.file_from_hexahedron
     }
 
+    fn polyhedra(&self) -> Option<(&FaceLists, &[u32])> {
+        (self.polyhedra.cells() > 0).then_some((&self.polyhedra, &self.file_from_polyhedron[..]))
+    }
+
     fn arrays(&self) -> Vec<ArrayHead> {
         self.arrays.iter().map(ArrayHead::from).collect()
     }
@@ -134,10 +142,7 @@ impl CellSource for CellMesh {
     fn check(&self) -> Result<()> {
         check_len("file_from_tet", self.file_from_tet.len(), self.tets.len())?;
         check_len("file_from_hexahedron", self.file_from_hexahedron.len(), self.hexahedra.len())?;
-        if self.polyhedra.cells() > 0 {
-            let problem = "prisms and polyhedra cannot be kept whole in a container; cut them: --cells tetrahedra";
-            return Err(Error::Option { option: "--cells", problem: problem.to_owned() });
-        }
+        check_len("file_from_polyhedron", self.file_from_polyhedron.len(), self.polyhedra.cells())?;
         check_arrays(self.points.len() as u64, &self.arrays, self.counts.in_file)
     }
 }

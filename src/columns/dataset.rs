@@ -187,12 +187,14 @@ impl Dataset {
         self.tets.len() + self.hexahedra.len()
     }
 
-    /// The blocks of so many tetrahedra and hexahedra: runs of cells of one kind.
-    pub(crate) fn runs(tets: usize, hexahedra: usize) -> impl Iterator<Item = Range<usize>> {
+    /// The blocks of so many tetrahedra, hexahedra and polyhedra: runs of cells of one kind.
+    pub(crate) fn runs([tets, hexahedra, polyhedra]: [usize; 3]) -> impl Iterator<Item = Range<usize>> {
         let of_kind = |all: Range<usize>| {
             all.clone().step_by(Self::BLOCK_CELLS).map(move |first| first..(first + Self::BLOCK_CELLS).min(all.end))
         };
-        of_kind(0..tets).chain(of_kind(tets..tets + hexahedra))
+        let first_polyhedron = tets + hexahedra;
+        let whole = of_kind(tets..first_polyhedron).chain(of_kind(first_polyhedron..first_polyhedron + polyhedra));
+        of_kind(0..tets).chain(whole)
     }
 
     /// How many cells of block `block` may be drawn: all but hidden ones and those without volume, which keep their numbers.

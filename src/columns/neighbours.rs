@@ -73,7 +73,7 @@ impl Neighbours {
             return Some(0);
         }
         let check = Check { neighbours: self, faces, positions: &dataset.positions };
-        let blocks: Vec<Range<usize>> = Dataset::runs(tets, hexahedra).collect();
+        let blocks: Vec<Range<usize>> = Dataset::runs([tets, hexahedra, 0]).collect();
         blocks.into_par_iter().find_map_first(|cells| check.first_wrong(cells))
     }
 

@@ -67,7 +67,7 @@ impl Renderer {
     ///
     /// `auto` takes what is exact: on the processor fragments are checked and put right, which costs less than a graph of the mesh
     /// and needs no conditions. Fans take the topological order; where that has to break cycles, or cells overlap, a GPU checks the
-    /// order and the processor draws the tiles again in which it was wrong.
+    /// order and the processor draws the tiles again in which it was wrong; so it is with polyhedra, which the graph does not know.
     pub(super) fn order_frame(
         &self,
         scene: &Scene,
@@ -82,7 +82,7 @@ impl Renderer {
             SortMethod::None => by(SortKey::None),
             SortMethod::Centroid => by(SortKey::Centroid),
             SortMethod::Power => by(SortKey::Power),
-            SortMethod::Auto | SortMethod::Exact if !self.draws_fans() => {
+            SortMethod::Auto | SortMethod::Exact if !self.draws_fans() || !scene.dataset.polyhedra.is_empty() => {
                 FrameOrder { is_exact: true, ..by(scene.best_key(&self.control).unwrap_or(SortKey::None)) }
             }
             SortMethod::Auto | SortMethod::Exact | SortMethod::Topological => {

@@ -10,15 +10,18 @@
 //! triangle of the fan, so that plain interpolation gives each fragment its exact entry and exit.
 //! In the room of a fan: a tetrahedron's planes ([`PlaneFan`]). Cells with faces of four corners take the room of two
 //! ([`HexFan`]), or as the papers draw them of four ([`CaseFan`]), as are cubes; in such a mesh all cells do, and tetrahedra leave the rest
-//! empty. To add a record: a file with its layout, its twin in WGSL, its line in [`Contents`].
+//! empty. Polyhedra take a record ([`PolyFan`]), and a list behind the records of their run. To add a record: a file with its layout, its twin in WGSL, its line in [`Contents`].
 
 mod cases;
 mod classes;
 mod cubes;
+mod faces;
 mod hexahedra;
 mod planes;
 pub mod polyhedra;
 mod tetrahedra;
+
+use std::ops::Range;
 
 use arrayvec::ArrayVec;
 use bytemuck::{Pod, Zeroable};
@@ -27,7 +30,7 @@ use rayon::prelude::*;
 use super::classify::{CellClass, ClassCounts};
 use super::{CubesInView, PixelProjection, SceneVertex, ScreenVertex, View};
 use crate::camera::Region;
-use crate::columns::{Dataset, HexahedraView};
+use crate::columns::{Dataset, HexahedraView, PolyhedraView};
 use cases::Drawn;
 use tetrahedra::{Tet, TetFans};
 
@@ -75,6 +78,7 @@ impl Fan {
 }
 
 pub use cases::CaseFan;
+pub use faces::PolyFan;
 pub use hexahedra::HexFan;
 pub use planes::PlaneFan;
 
@@ -134,12 +138,14 @@ pub struct Contents {
     pub has_planes: bool,
     /// Cells with faces of four corners, and how they are drawn.
     pub whole_cells: Option<Faces>,
+    /// [`PolyFan`]s, and their lists.
+    pub has_polyhedra: bool,
 }
 
 impl Contents {
     /// Whether nothing but fans and their triangles is drawn, no boxes.
     pub fn has_only_fans(self) -> bool {
-        !self.has_planes && self.whole_cells != Some(Faces::Exact)
+        !self.has_planes && self.whole_cells != Some(Faces::Exact) && !self.has_polyhedra
     }
 
     /// The fans whose room one record takes, whatever it is.
@@ -175,6 +181,7 @@ pub struct FanInput<'a> {
     /// Whether a vertex lies before the near plane, or (planes) far outside the picture, so that cells need care.
     has_near_cells: bool,
     hexahedra: HexahedraView<'a>,
+    polyhedra: PolyhedraView<'a>,
     /// What is drawn instead of the dataset's cells.
     cubes: Option<CubesInView<'a>>,
 }
@@ -200,6 +207,7 @@ impl<'a> FanInput<'a> {
             projection: view.projection(),
             has_near_cells: false,
             hexahedra: dataset.hexahedra.view(),
+            polyhedra: dataset.polyhedra.view(),
             cubes: None,
         };
         input.has_near_cells = screen.par_iter().with_min_len(1 << 14).any(|vertex| input.is_near(vertex));
@@ -226,9 +234,11 @@ impl<'a> FanInput<'a> {
             PlanesFor::AllCells => true,
         };
         if self.cubes.is_some() {
-            return Contents { has_planes: has_planes && self.has_near_cells, whole_cells: Some(Faces::Fan) };
+            let has_planes = has_planes && self.has_near_cells;
+            return Contents { has_planes, whole_cells: Some(Faces::Fan), has_polyhedra: false };
         }
-        Contents { has_planes, whole_cells: (!self.hexahedra.is_empty()).then_some(self.faces) }
+        let whole_cells = (!self.hexahedra.is_empty()).then_some(self.faces);
+        Contents { has_planes, whole_cells, has_polyhedra: !self.polyhedra.is_empty() }
     }
 
     /// See [`Contents::fans_per_record`].
@@ -238,11 +248,23 @@ impl<'a> FanInput<'a> {
 
     /// No cell has more fans than this.
     pub fn fans_per_cell_max(&self) -> usize {
-        let Contents { whole_cells, .. } = self.contents();
+        let Contents { whole_cells, has_polyhedra, .. } = self.contents();
         let is_split = whole_cells == Some(Faces::Fan) && (self.cubes.is_none() || self.has_near_cells);
         let parts = if is_split { cases::PARTS_MAX } else { 1 };
         let cuts = if self.has_near_cells && self.planes_for == PlanesFor::NoCells { 3 } else { 1 };
-        self.fans_per_record() * parts * cuts
+        let of_list = if has_polyhedra {
+            PolyFan::list_fans_max(self.dataset.polyhedra.most(), self.fans_per_record())
+        } else {
+            0
+        };
+        self.fans_per_record() * parts * cuts + of_list
+    }
+
+    /// The fans in which the records of a run stand, of the `fans` from `first` on that [`count`] says `cells` cells need: behind them
+    /// come lists.
+    pub fn records(&self, first: usize, fans: usize, cells: usize) -> Range<usize> {
+        let fans = if self.contents().has_polyhedra { cells * self.fans_per_record() } else { fans };
+        first..first + fans
     }
 
     /// Whether a cell is a tetrahedron.
@@ -259,6 +281,9 @@ impl<'a> FanInput<'a> {
         }
         if self.is_tet(cell) {
             return self.fans_of(&self.tet(cell));
+        }
+        if let Some(listed) = self.polyhedron(cell) {
+            return 1 + listed.fans / self.fans_per_record();
         }
         match self.faces {
             Faces::Exact => 1,
@@ -294,11 +319,16 @@ pub fn count(input: &FanInput, cells: &[u32]) -> usize {
 /// If the slot has not the room that [`count`] asks for.
 pub fn write(input: &FanInput, cells: &[u32], slot: &mut impl FanSlot) -> ClassCounts {
     let mut writer = Writer { input, fans: ArrayVec::new(), slot, by_class: ClassCounts::default() };
+    // Of all records and lists, those that come behind the record at hand.
+    let mut behind = cells.len() * input.fans_per_record();
     for &cell in cells {
         if let Some(cubes) = &input.cubes {
             writer.put_cube(cubes, &cubes.cubes[cell as usize]);
         } else if input.is_tet(cell) {
             writer.put_tet(&input.tet(cell));
+        } else if let Some(listed) = input.polyhedron(cell) {
+            writer.put_padded(bytemuck::cast(input.of_polyhedron(listed, behind)));
+            behind += listed.fans;
         } else if input.faces == Faces::Exact {
             writer.put(&bytemuck::cast::<_, [Fan; HexFan::FANS]>(input.of_hexahedron(cell as usize)));
         } else {
@@ -314,8 +344,16 @@ pub fn write(input: &FanInput, cells: &[u32], slot: &mut impl FanSlot) -> ClassC
                 }
             }
         }
+        behind = behind.saturating_sub(input.fans_per_record());
     }
     writer.slot.put(&writer.fans);
+    if !input.polyhedra.is_empty() && input.cubes.is_none() {
+        let mut list = Vec::new();
+        for listed in cells.iter().filter_map(|&cell| input.polyhedron(cell)) {
+            input.write_list(listed, &mut list);
+            writer.slot.put(&list);
+        }
+    }
     writer.by_class
 }
 
@@ -347,13 +385,18 @@ impl<S: FanSlot> Writer<'_, '_, S> {
 
     #[inline]
     fn put_fans(&mut self, fans: TetFans) {
-        let fans_per_record = self.input.fans_per_record();
         for (class, fan) in fans {
             if let Some(class) = class {
                 self.by_class.add(class.into());
             }
-            self.put(&[fan, Fan::default(), Fan::default(), Fan::default()][..fans_per_record]);
+            self.put_padded(fan);
         }
+    }
+
+    /// A fan in the room of a record.
+    #[inline]
+    fn put_padded(&mut self, fan: Fan) {
+        self.put(&[fan, Fan::default(), Fan::default(), Fan::default()][..self.input.fans_per_record()]);
     }
 }
 

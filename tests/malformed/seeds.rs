@@ -417,7 +417,7 @@ pub(crate) fn real() -> Seeds {
     seeds
 }
 
-/// Containers of generated meshes, with and without neighbours, and of whole cells, listed with neighbours and structured.
+/// Containers of generated meshes, with and without neighbours, of whole cells, listed with neighbours and structured, and of polyhedra.
 pub(crate) fn container() -> Seeds {
     use cellfan::generate::{Kind, Settings, generate};
     use cellfan::io::container::{WriteOptions, write, write_structured};
@@ -440,7 +440,13 @@ pub(crate) fn container() -> Seeds {
         };
         written.ok().map(|_| std::fs::read(&path).unwrap())
     }));
-    assert!(seeds.len() > kinds.len() + 1, "containers of whole cells are among them");
+    for file in polyhedra() {
+        let mesh = read_mesh(&file, Path::new(if file.starts_with(b"#") { "a.vtk" } else { "a.vtu" })).unwrap();
+        let Ok(WholeCells::Listed(cells)) = mesh.into_whole_in(&Scratch::memory()) else { continue };
+        write(&cells, &path, &WriteOptions::default(), &|_, _, _| {}).unwrap();
+        seeds.push(std::fs::read(&path).unwrap());
+    }
+    assert!(seeds.len() > kinds.len() + 2, "containers of whole cells are among them");
     seeds
 }
 

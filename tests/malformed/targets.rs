@@ -329,7 +329,7 @@ fn container(bytes: &[u8]) -> Result<(), String> {
         assert!(field.is_err() || field.is_ok_and(|field| !field.values.is_empty()));
     }
     // What is cut is checked on the way; a mesh of tetrahedra is handed through.
-    if !dataset.hexahedra.is_empty()
+    if !(dataset.hexahedra.is_empty() && dataset.polyhedra.is_empty())
         && let Ok(tetrahedra) = dataset.clone().into_tetrahedra()
     {
         check(&tetrahedra);

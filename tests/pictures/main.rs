@@ -27,12 +27,15 @@ mod gpu_geometry;
 #[cfg(feature = "gpu")]
 mod gpu_order;
 #[cfg(feature = "gpu")]
+mod gpu_polyhedra;
+#[cfg(feature = "gpu")]
 mod gpu_region;
 #[cfg(feature = "gpu")]
 #[path = "../common/gpus.rs"]
 mod gpus;
 mod hexahedra;
 mod hostile;
+mod kinds;
 mod linear_cubes;
 mod lit;
 mod meshes;

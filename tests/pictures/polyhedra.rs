@@ -17,18 +17,18 @@ use crate::check::Case;
 use crate::hexahedra::{jittered, mesh};
 use crate::meshes::{chord_of_unit_cube, point, smooth, three_views};
 
-fn case(dataset: Dataset, array: &str) -> Case {
+pub(crate) fn case(dataset: Dataset, array: &str) -> Case {
     let field = dataset.field(&FieldSelection::parse(array, &dataset.arrays)).unwrap();
     Case::of(dataset, field)
 }
 
 const WITHOUT_MIP: [Model; 3] = [Model::EmissionAbsorption, Model::Absorption, Model::Emission];
 
-fn settings(cells: u64, jitter: f64) -> Settings {
+pub(crate) fn settings(cells: u64, jitter: f64) -> Settings {
     Settings { cells, jitter, seed: 3, ..Settings::default() }
 }
 
-fn generated(mesh: cellfan::Result<CellMesh>) -> Dataset {
+pub(crate) fn generated(mesh: cellfan::Result<CellMesh>) -> Dataset {
     Dataset::from_cells(mesh.unwrap()).unwrap()
 }
 
@@ -81,7 +81,7 @@ fn another_mesh_is_not_the_reference() {
 }
 
 /// Hexagons side by side, every other cut into two pentagons, in three layers in the unit cube.
-fn prisms() -> UnstructuredMesh {
+pub(crate) fn prisms() -> UnstructuredMesh {
     let (mut points, mut cells) = (Vec::new(), Vec::new());
     let mut known: HashMap<[i64; 3], u32> = HashMap::new();
     let mut point = |x: f64, y: f64, z: f64| {
@@ -178,7 +178,7 @@ fn hexahedra_among_polyhedra_are_hexahedra() {
 }
 
 /// Three angles of five cubes each, which a ray may meet twice; `turn` says at which corners their caps' fans begin.
-fn angles(turn: usize) -> UnstructuredMesh {
+pub(crate) fn angles(turn: usize) -> UnstructuredMesh {
     let outline = [[0, 0], [3, 0], [3, 1], [1, 1], [1, 3], [0, 3]];
     let (mut points, mut lists, mut types) = (Vec::new(), FaceLists::default(), Vec::new());
     for (number, at) in [[0.0, 0.0, 0.0], [0.45, 0.1, 0.3], [0.1, 0.5, 0.6]].into_iter().enumerate() {
@@ -250,26 +250,50 @@ fn a_homogeneous_mesh_is_watertight() {
     }
 }
 
-/// With the eye on a corner of cells, the planes of their faces there have no side for any ray.
+/// Some places where the eye may be in a mesh of the unit cube: on corners of its cells, on edges, on faces.
+pub(crate) fn places_on_cells(dataset: &Dataset) -> Vec<DVec3> {
+    let at = |v: u32| DVec3::from_array(dataset.positions[v as usize].map(f64::from));
+    let is_inner = |p: &DVec3| (0..3).all(|axis| (0.3..0.7).contains(&(*p + dataset.origin)[axis]));
+    let faces: Vec<Vec<u32>> = (0..dataset.polyhedra.len())
+        .flat_map(|cell| dataset.polyhedra.view().faces(cell).map(|face| face.around.to_vec()))
+        .chain((0..dataset.hexahedra.len()).map(|cell| dataset.hexahedra.view().get(cell)[..4].to_vec()))
+        .collect();
+    let middle = |corners: &[u32]| corners.iter().map(|&v| at(v)).sum::<DVec3>() / corners.len() as f64;
+    let mut places: Vec<DVec3> = Vec::new();
+    for corners in [1, 2, 3] {
+        // A triangle of a face is flat.
+        let inner: Vec<DVec3> = faces.iter().map(|face| middle(&face[..corners])).filter(is_inner).collect();
+        places.extend(inner.iter().step_by((inner.len() / 3).max(1)).take(3));
+    }
+    places.into_iter().map(|place| place + dataset.origin).collect()
+}
+
+/// With the eye on a corner, an edge or a face of cells, the edges there have no side for any ray.
 #[test]
 fn an_eye_on_a_corner_sees_all_cells_around_it() {
-    let dataset = generated(voronoi(&settings(100, 0.0)));
-    let is_inner = |p: &&[f32; 3]| p.iter().all(|x| (0.3..0.7).contains(x));
-    let corners: Vec<[f32; 3]> = dataset.positions.iter().filter(is_inner).take(3).copied().collect();
-    let field = dataset.homogeneous_field();
-    let origin = dataset.origin;
-    let case = Case::of(dataset, field);
-    let transfer = TransferFunction::new(vec![point(0.0, [1.0; 3], 1.5)]).unwrap();
-    for corner in corners {
-        let [_, (_, mut camera), _] = three_views(60, 48);
-        camera.eye = origin + DVec3::from_array(corner.map(f64::from));
-        for model in [Model::EmissionAbsorption, Model::Absorption] {
+    for (name, dataset) in [
+        ("voronoi", generated(voronoi(&settings(100, 0.0)))),
+        ("grid", jittered(6, 0.0).into_whole_dataset().unwrap()),
+        ("jittered", jittered(6, 0.3).into_whole_dataset().unwrap()),
+    ] {
+        let field = dataset.homogeneous_field();
+        let places = places_on_cells(&dataset);
+        assert_eq!(places.len(), 9);
+        let case = Case::of(dataset, field);
+        let transfer = TransferFunction::new(vec![point(0.0, [1.0; 3], 1.5)]).unwrap();
+        for (place, model) in places.into_iter().zip([Model::EmissionAbsorption, Model::Absorption].into_iter().cycle())
+        {
+            let [_, (_, mut camera), _] = three_views(60, 48);
+            camera.eye = place;
             let image = case.render(RenderOptions { model, ..RenderOptions::default() }, &transfer, &camera).image;
             for (x, y) in (0..48).flat_map(|y| (0..60).map(move |x| (x, y))) {
                 let through = (-1.5 * chord_of_unit_cube(&camera, x, y, 0.0)).exp();
                 let expected = if model == Model::Absorption { through } else { 1.0 - through };
                 let found = f64::from(image.pixel(x, y)[3]);
-                assert!((found - expected).abs() < 1e-4, "{corner:?}, {model}, ({x}, {y}): {found} for {expected}");
+                assert!(
+                    (found - expected).abs() < 1e-4,
+                    "{name}, {place}, {model}, ({x}, {y}): {found} for {expected}"
+                );
             }
         }
     }

@@ -131,6 +131,34 @@ fn real_polyhedra() {
     assert!(failures.is_empty(), "\n{}", failures.join("\n"));
 }
 
+/// The middle of the mesh is a corner of its cells, hexahedra and prisms: the picture is that from a hair aside.
+#[test]
+fn an_eye_on_a_corner_of_a_real_mesh() {
+    let Some(folder) = data_folder("an_eye_on_a_corner_of_a_real_mesh") else { return };
+    let path = folder.join("unstructured/pebi3d_with_properties.vtu");
+    let case = case(io::open_mesh(&path).unwrap().into_whole_dataset().unwrap(), "DENSITY");
+    let (dataset, diagonal) = (&case.dataset, case.dataset.diagonal_world());
+    let center = dataset.center_world();
+    let corner = |v: usize| dataset.origin + DVec3::from_array(dataset.positions[v].map(f64::from));
+    let nearest = (0..dataset.positions.len())
+        .map(corner)
+        .min_by(|a, b| a.distance_squared(center).total_cmp(&b.distance_squared(center)));
+    println!("{} hexahedra, {} polyhedra, {center} {nearest:?}", dataset.hexahedra.len(), dataset.polyhedra.len());
+    let transfer = smooth().stretched(case.field.range).unwrap().scaled_extinction(2.0 / diagonal).unwrap();
+    for eye in [Some(center), nearest].into_iter().flatten() {
+        let camera = Camera::looking_at(eye, eye + DVec3::new(1.0, 0.4, 0.3), 320, 256);
+        let aside = DVec3::new(1.3e-7, -2.1e-7, 0.9e-7) * diagonal;
+        let beside = Camera { eye: eye + aside, target: camera.target + aside, ..camera.clone() };
+        let rays = case.random_rays(&beside, 77, 600);
+        for model in Model::ALL {
+            let options = RenderOptions { model, ..RenderOptions::default() };
+            let errors = rays.errors(&case.render(options, &transfer, &camera).image, model, &transfer, usize::MAX);
+            println!("{model:20} {errors}");
+            assert!(errors.are_small() && errors.pixels > 300, "{model}: {errors}");
+        }
+    }
+}
+
 /// Blocks and listed cells, with arrays that the other lacks.
 #[test]
 fn real_meshes_of_two_kinds_in_a_multi_block_file() {

@@ -122,6 +122,7 @@ impl Crossed {
         cell: &HexFootprint,
     ) {
         let Hexahedron { vertex, shape, vertices, .. } = *hexahedron;
+        let view = &view.beside();
         self.parts.clear();
         let corners = vertex.map(|v| vertices[v as usize]);
         let p = corners.map(|corner| DVec3::from_array(corner.position.map(f64::from)));

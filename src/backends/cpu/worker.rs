@@ -194,7 +194,7 @@ impl Worker {
         // A tetrahedron has at most one fragment a pixel, other cells one for two of their triangles.
         let dataset = task.frame.dataset;
         let of_hexahedra = if dataset.hexahedra.is_empty() { 2 } else { TRIANGLES };
-        let parts = of_hexahedra.max(dataset.polyhedra.most_triangles()) / 2;
+        let parts = of_hexahedra.max(dataset.polyhedra.most().triangles) / 2;
         let most = order.len().saturating_mul(parts * LANES * blocks.count_ones() as usize);
         let limit = task.plan.map_or(usize::MAX, |plan| plan.fragments);
         if most <= limit {

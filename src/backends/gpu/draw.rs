@@ -15,7 +15,7 @@ use super::late::{Late, LateTiles};
 use super::pipelines::{Draw, Pipelines};
 use super::readback::Readback;
 use super::staging::Ring;
-use super::submit::Submitter;
+use super::submit::{Filled, Submitter};
 use super::timestamps::Timestamps;
 use crate::backends::draw_order::DrawOrder;
 use crate::backends::{Counts, Frame, OpaquePicture};
@@ -224,6 +224,7 @@ impl GpuCompositor {
         let (gpu, order, mut timestamps) = (&self.gpu, &self.order, self.timestamps.as_mut());
         let input = order.fan_input(frame, pipelines.planes_for());
         let late = self.late.as_ref().filter(|_| is_checked(frame, shading));
+        ring.check_room(input.fans_per_cell_max())?;
         let draw = Draw { contents: input.contents(), is_checked: late.is_some(), is_ended: opaque.is_some() };
         gpu.make(|| {
             pipelines.prepare_draw(gpu, draw);
@@ -252,7 +253,7 @@ impl GpuCompositor {
                 let fans = slice.fans();
                 counts.add_classes(slice.write(&input, ring.memory(slot, fans)));
                 profile.add("fans", start.elapsed(), (fans * size_of::<Fan>()) as u64);
-                if filled.send((slot, fans)).is_err() {
+                if filled.send(Filled { slot, fans, records: slice.records(&input) }).is_err() {
                     break;
                 }
             }

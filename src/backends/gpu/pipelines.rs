@@ -1,5 +1,7 @@
 //! `Pipelines`: the state in which fans are drawn and pictures resolved, for one model, and what all passes of a frame read.
 
+use std::ops::Range;
+
 use wgpu::{BufferUsages, ShaderStages, TextureFormat};
 
 use super::Gpu;
@@ -171,7 +173,8 @@ impl Pipelines {
         ];
         let target = (accumulated_format(gpu), Some(blend_state(self.shaders.blend)));
         let has_hexahedra = contents.whole_cells == Some(Faces::Exact);
-        let constants = [("HAS_HEXAHEDRA", f64::from(u8::from(has_hexahedra)))];
+        let constants = [("HAS_HEXAHEDRA", has_hexahedra), ("HAS_POLYHEDRA", contents.has_polyhedra)]
+            .map(|(name, has)| (name, f64::from(u8::from(has))));
         let vertex = if contents.whole_cells == Some(Faces::Fan) { "vertex_of_triangle" } else { "vertex" };
         let module = shaders::module(&gpu.device, "fans", self.shaders.draw_text(contents, is_ended));
         let shader = Shader { module: &module, vertex, fragment, constants: &constants };
@@ -179,11 +182,11 @@ impl Pipelines {
         self.draw.push((draw, pipeline(gpu, &layouts, shader, target, depth)));
     }
 
-    /// Draws what stands in the room of the first `fans` fans of a slot.
+    /// Draws the records that stand in the room of these fans of a slot.
     pub(super) fn draw(
         &self,
         slot: &wgpu::BindGroup,
-        (fans, draw): (usize, Draw),
+        (records, draw): (&[Range<usize>], Draw),
         (is_first, late, opaque): (bool, Option<&LateTiles>, Option<&wgpu::BindGroup>),
         accumulated: &wgpu::TextureView,
         timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
@@ -207,9 +210,12 @@ impl Pipelines {
         }
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
         let contents = draw.contents;
-        let records = fans / contents.fans_per_record();
-        for first in (0..records).step_by(FANS_PER_DRAW) {
-            let count = FANS_PER_DRAW.min(records - first);
+        let per_record = contents.fans_per_record();
+        let parts = records.iter().map(|fans| fans.start / per_record..fans.end / per_record).flat_map(|run| {
+            let end = run.end;
+            run.step_by(FANS_PER_DRAW).map(move |first| (first, FANS_PER_DRAW.min(end - first)))
+        });
+        for (first, count) in parts {
             if contents.whole_cells == Some(Faces::Fan) {
                 let vertices = 3 * CaseFan::TRIANGLES_MAX;
                 pass.draw((first * vertices) as u32..((first + count) * vertices) as u32, 0..1);

@@ -98,7 +98,7 @@ impl ModelShaders {
         let of_cell: &[&str] = if contents.has_only_fans() {
             &[shader!("only_fans")]
         } else {
-            &[shader!("records"), shader!("planes"), shader!("hexahedra")]
+            &[shader!("records"), shader!("planes"), shader!("hexahedra"), shader!("polyhedra")]
         };
         common
             .into_iter()
@@ -132,7 +132,7 @@ pub(super) fn module(device: &wgpu::Device, label: &str, text: String) -> wgpu::
         return device.create_shader_module(descriptor);
     }
     // SAFETY: the text is this crate's own. Every index into `fans` comes from an index list and a base vertex made for the
-    // bound buffer, pieces and texels are found by searches that `piece_count` and `texels` bound, and every loop ends; the same
+    // bound buffer, or from a list that was counted before its record was written; pieces and texels are found by searches that `piece_count` and `texels` bound, and every loop ends; the same
     // shaders run with all checks in tests.
     unsafe { device.create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked()) }
 }

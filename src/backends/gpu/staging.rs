@@ -11,12 +11,12 @@ use crossbeam_channel::{Receiver, Sender, bounded};
 use wgpu::{BufferUsages, BufferViewMut, Features, MapMode};
 
 use super::Gpu;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::stages::fans::{Fan, FanSlot};
 
 /// Bytes that a slot has at most: beyond this more memory draws no faster.
 const SLOT_BYTES_MAX: u64 = 32 << 20;
-/// Fans that a slot has at least: no cell has more.
+/// Fans that a slot has at least: no cell but a polyhedron has more.
 const FANS_MIN: u64 = 72;
 
 /// One buffer of the ring.
@@ -81,6 +81,20 @@ impl Ring {
         let ring = Self { slots: slots.collect(), capacity: capacity as usize, free: free.clone() };
         gpu.check()?;
         Ok(ring)
+    }
+
+    /// Whether a slot has room for the largest cell.
+    pub(super) fn check_room(&self, fans: usize) -> Result<()> {
+        if fans <= self.capacity {
+            return Ok(());
+        }
+        let bytes = |fans: usize| fans * size_of::<Fan>();
+        let problem = format!(
+            "a polyhedron takes up to {} bytes, the picture leaves {} for a slice of cells; give more",
+            bytes(fans),
+            bytes(self.capacity)
+        );
+        Err(Error::Option { option: "--gpu-memory", problem })
     }
 
     /// The next free slot; waits for the GPU if there is none. None where the GPU failed.

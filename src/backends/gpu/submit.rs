@@ -4,6 +4,7 @@
 //! software Vulkan: so it has a thread of its own, and fans are made meanwhile.
 
 use std::collections::VecDeque;
+use std::ops::Range;
 use std::time::{Duration, Instant};
 
 use crossbeam_channel::Receiver;
@@ -15,6 +16,15 @@ use super::pipelines::{Draw, Pipelines};
 use super::staging::Ring;
 use super::timestamps::Timestamps;
 use crate::error::Result;
+
+/// A slot that was written.
+pub(super) struct Filled {
+    pub(super) slot: usize,
+    /// How many fans it has.
+    pub(super) fans: usize,
+    /// Those in which there are records.
+    pub(super) records: Vec<Range<usize>>,
+}
 
 /// Submits slots in the order in which they come.
 pub(super) struct Submitter<'a> {
@@ -32,7 +42,7 @@ pub(super) struct Submitter<'a> {
 
 impl Submitter<'_> {
     /// Draws all slots; how long submissions took.
-    pub(super) fn run(mut self, filled: &Receiver<(usize, usize)>) -> Result<Duration> {
+    pub(super) fn run(mut self, filled: &Receiver<Filled>) -> Result<Duration> {
         let result = self.draw_all(filled);
         if result.is_err() {
             self.ring.give_up();
@@ -40,11 +50,11 @@ impl Submitter<'_> {
         result
     }
 
-    fn draw_all(&mut self, filled: &Receiver<(usize, usize)>) -> Result<Duration> {
+    fn draw_all(&mut self, filled: &Receiver<Filled>) -> Result<Duration> {
         let mut submitting = Duration::ZERO;
         let mut in_flight = VecDeque::new();
         let mut is_first = true;
-        for (slot, fans) in filled {
+        for Filled { slot, fans, records } in filled {
             let start = Instant::now();
             let _span = tracing::trace_span!("submit", fans).entered();
             let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -52,7 +62,7 @@ impl Submitter<'_> {
             let timestamps = self.timestamps.as_deref_mut().and_then(Timestamps::of_fans);
             self.pipelines.draw(
                 self.ring.binding(slot),
-                (fans, self.draw),
+                (&records, self.draw),
                 (is_first, self.late, self.opaque),
                 &self.targets.accumulated,
                 timestamps,

@@ -11,10 +11,10 @@ use crate::optics::integral::{
     segment_weights, segment_weights_average, segment_weights_thin, segment_weights_very_thin,
 };
 use crate::optics::{Integral, Model, Output, Shading, wgsl};
-use crate::stages::fans::{CaseFan, Contents, Faces, Fan, HexFan, PlaneFan};
+use crate::stages::fans::{CaseFan, Contents, Faces, Fan, HexFan, PlaneFan, PolyFan};
 
-const ONLY_FANS: Contents = Contents { has_planes: false, whole_cells: None };
-const RECORDS: Contents = Contents { has_planes: true, whole_cells: Some(Faces::Exact) };
+const ONLY_FANS: Contents = Contents { has_planes: false, whole_cells: None, has_polyhedra: false };
+const RECORDS: Contents = Contents { has_planes: true, whole_cells: Some(Faces::Exact), has_polyhedra: true };
 
 fn all_shadings() -> Vec<Shading> {
     let models = Model::ALL.into_iter().flat_map(|model| Integral::ALL.map(|integral| (model, integral)));
@@ -95,12 +95,26 @@ fn shaders_parse_and_read_what_rust_writes() {
         offset_of!(HexFan, corners),
     ];
     assert_eq!(hexahedron.map(words), [(0, 0), (0, 2), (1, 0), (1, 3), (2, 0)]);
+    let polyhedron = [
+        offset_of!(PolyFan, box_px),
+        offset_of!(PolyFan, s_range),
+        offset_of!(PolyFan, list),
+        offset_of!(PolyFan, corners),
+        offset_of!(PolyFan, around),
+        offset_of!(PolyFan, flags),
+        offset_of!(PolyFan, w_middle),
+        offset_of!(PolyFan, w_least),
+    ];
+    assert_eq!(polyhedron.map(words), [(0, 0), (0, 2), (1, 0), (1, 1), (1, 2), (1, 3), (2, 0), (2, 1)]);
+    assert_eq!(PolyFan::IS_CONSTANT, HexFan::IS_CONSTANT);
     let text = shaders::of(Shading::default()).draw_text(RECORDS, false);
     for (name, value) in [
         ("DIAGONALS", HexFan::DIAGONALS),
         ("IS_HOMOGENEOUS", HexFan::IS_HOMOGENEOUS),
         ("IS_CONSTANT", HexFan::IS_CONSTANT),
         ("IS_HEXAHEDRON", HexFan::HEXAHEDRON),
+        ("IS_POLYHEDRON", PolyFan::POLYHEDRON),
+        ("FIRST_OF_FACE", PolyFan::FIRST.into()),
         ("CASE_FANS", CaseFan::FANS as u32),
         ("CASE_TRIANGLES", CaseFan::TRIANGLES_MAX as u32),
         ("CASE_VERTICES", (offset_of!(CaseFan, vertices) / 4) as u32),

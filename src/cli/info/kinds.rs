@@ -1,6 +1,6 @@
 //! Cells by kind, with the kinds' names.
 
-use cellfan::cells::{CellClass, CellKind, Nodes, classify};
+use cellfan::cells::{CellClass, Nodes, classify};
 use serde::Serialize;
 
 /// How many cells have a code.
@@ -23,9 +23,9 @@ pub(super) fn count(cells_by_code: &[u64; 256]) -> Vec<KindCount> {
         .collect()
 }
 
-/// So many cells of a kind.
-pub(super) fn of_kind((kind, count): (&CellKind, u64)) -> KindCount {
-    KindCount { name: kind.name.to_owned(), code: kind.code, count }
+/// So many cells of a code.
+pub(super) fn of_code((code, count): (u8, u64)) -> KindCount {
+    KindCount { name: name(code), code, count }
 }
 
 fn name(code: u8) -> String {

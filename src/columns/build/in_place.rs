@@ -268,6 +268,6 @@ fn blocks(tets: &Tets, hexahedra: &Hexahedra, position: impl Fn(u32) -> Vec3 + S
         });
         Block { cells: run, bounds }
     };
-    let runs: Vec<Range<usize>> = Dataset::runs(tets.len(), hexahedra.len()).collect();
+    let runs: Vec<Range<usize>> = Dataset::runs([tets.len(), hexahedra.len(), 0]).collect();
     runs.into_par_iter().map(block).collect()
 }

@@ -121,7 +121,7 @@ fn draw_blocks(cells: &HexahedraView<'_>, positions: &[[f32; 3]]) -> Vec<Block> 
         let bounds = corners.fold(Bounds::EMPTY, |b, v| b.include(Vec3::from_array(positions[v as usize])));
         Block { cells: run, bounds }
     };
-    Dataset::runs(0, cells.len()).collect::<Vec<_>>().into_par_iter().map(block).collect()
+    Dataset::runs([0, cells.len(), 0]).collect::<Vec<_>>().into_par_iter().map(block).collect()
 }
 
 #[cfg(test)]

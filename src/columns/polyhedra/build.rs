@@ -6,19 +6,20 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::skin::{Flaw, Skin};
-use super::{FaceLists, Polyhedra};
+use super::{FaceLists, Most, Polyhedra, PolyhedraColumns};
 use crate::columns::Placement;
 use crate::error::{Error, Result};
 
 /// Polyhedra of a file, checked, in spatial order.
-pub(in crate::columns) struct Built {
+#[derive(Default)]
+pub(crate) struct Built {
     skins: Vec<Skin>,
     /// The file's cell of each.
-    pub(in crate::columns) file_from_cell: Vec<u32>,
+    pub(crate) file_from_cell: Vec<u32>,
     /// Cells whose faces ran the other way.
-    pub(in crate::columns) mirrored: u64,
+    pub(crate) mirrored: u64,
     /// Cells without volume, which are left out.
-    pub(in crate::columns) flat: u64,
+    pub(crate) flat: u64,
 }
 
 impl Built {
@@ -26,7 +27,7 @@ impl Built {
     ///
     /// # Errors
     /// [`Error::OpenCell`].
-    pub(in crate::columns) fn new(
+    pub(crate) fn new(
         lists: &FaceLists,
         file_from: &[u32],
         canonical: &[u32],
@@ -61,12 +62,12 @@ impl Built {
     }
 
     /// How many cells there are.
-    pub(in crate::columns) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.skins.len()
     }
 
     /// The points of all cells, in their order; those of several faces more than once.
-    pub(in crate::columns) fn points(&self) -> impl Iterator<Item = u32> {
+    pub(crate) fn points(&self) -> impl Iterator<Item = u32> {
         self.skins.iter().flat_map(|skin| skin.faces.iter().flatten().copied())
     }
 
@@ -74,7 +75,7 @@ impl Built {
     ///
     /// # Errors
     /// [`Error::TooLarge`].
-    pub(in crate::columns) fn finish(self, vertex: impl Fn(u32) -> u32, canonical: &[u32]) -> Result<Polyhedra> {
+    pub(crate) fn finish(self, vertex: impl Fn(u32) -> u32, canonical: &[u32]) -> Result<Polyhedra> {
         let faces: Vec<&Vec<u32>> = self.skins.iter().flat_map(|skin| &skin.faces).collect();
         let len = self.skins.iter().flat_map(|skin| &skin.faces).map(|face| face.len() as u64).sum();
         let limit = u64::from(u32::MAX) / 2;
@@ -91,12 +92,13 @@ impl Built {
             face_starts.push(around.len() as u32);
         }
         let (mut starts, mut sides, mut corners) = (vec![[0; 2]], Vec::with_capacity(faces.len()), Vec::new());
-        let mut most_triangles = 0;
+        let mut most = Most::default();
         for skin in &self.skins {
             let mut of_cell: Vec<u32> = skin.faces.iter().flatten().map(|&point| vertex(point)).collect();
-            most_triangles = most_triangles.max(of_cell.len() - 2 * skin.faces.len());
+            let around = of_cell.len();
             of_cell.sort_unstable();
             of_cell.dedup();
+            most = most.max(Most::of_cell(skin.faces.len(), of_cell.len(), around));
             corners.append(&mut of_cell);
             for _ in &skin.faces {
                 let side = side_from_listed[sides.len()];
@@ -104,14 +106,9 @@ impl Built {
             }
             starts.push([sides.len() as u32, corners.len() as u32]);
         }
-        Ok(Polyhedra {
-            starts: starts.into(),
-            sides: sides.into(),
-            corners: corners.into(),
-            face_starts: face_starts.into(),
-            around: around.into(),
-            most_triangles,
-        })
+        let (starts, sides, corners) = (starts.into(), sides.into(), corners.into());
+        let (face_starts, around) = (face_starts.into(), around.into());
+        Ok(Polyhedra { columns: PolyhedraColumns { starts, sides, corners, face_starts, around }, most })
     }
 }
 

@@ -4,11 +4,12 @@
 //! a list of vertices. Each face is a fan of triangles around its vertex of lowest number in the file, the same for both cells at it.
 
 mod build;
+mod in_file;
 mod lists;
 mod skin;
 mod split;
 
-pub(super) use build::Built;
+pub(crate) use build::Built;
 pub use lists::FaceLists;
 pub(super) use split::fan;
 
@@ -19,36 +20,67 @@ use super::Column;
 /// Polyhedra, closed by their faces.
 #[derive(Clone, Debug)]
 pub struct Polyhedra {
+    columns: PolyhedraColumns,
+    /// What the cells have at most.
+    most: Most,
+}
+
+/// Polyhedra as lists in lists.
+#[derive(Clone, Debug)]
+pub(crate) struct PolyhedraColumns {
     /// Where in `sides` and in `corners` each cell begins, and where the last one ends.
-    starts: Column<[u32; 2]>,
+    pub(crate) starts: Column<[u32; 2]>,
     /// The faces of each cell: twice the face's number, and 1 where it is seen from its back.
-    sides: Column<u32>,
+    pub(crate) sides: Column<u32>,
     /// The vertices of each cell, each once, ascending.
-    corners: Column<u32>,
+    pub(crate) corners: Column<u32>,
     /// Where in `around` each face begins, and where the last one ends.
-    face_starts: Column<u32>,
+    pub(crate) face_starts: Column<u32>,
     /// The vertices around each face, counterclockwise seen from outside the first cell that has it.
-    around: Column<u32>,
-    /// Triangles of the cell that has most.
-    most_triangles: usize,
+    pub(crate) around: Column<u32>,
+}
+
+/// What a cell has at most, each of it perhaps another cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Most {
+    /// Triangles of its faces.
+    pub triangles: usize,
+    /// Corners, each once.
+    pub corners: usize,
+    /// Corners, those of several faces more than once.
+    pub around: usize,
+}
+
+impl Most {
+    fn of_cell(faces: usize, corners: usize, around: usize) -> Self {
+        Self { triangles: around - 2 * faces, corners, around }
+    }
+
+    fn max(self, other: Self) -> Self {
+        Self {
+            triangles: self.triangles.max(other.triangles),
+            corners: self.corners.max(other.corners),
+            around: self.around.max(other.around),
+        }
+    }
 }
 
 impl Polyhedra {
     /// No cell.
     pub fn none() -> Self {
-        Self {
-            starts: vec![[0; 2]].into(),
-            sides: Vec::new().into(),
-            corners: Vec::new().into(),
-            face_starts: vec![0].into(),
-            around: Vec::new().into(),
-            most_triangles: 0,
-        }
+        let [sides, corners, around] = [(); 3].map(|()| Vec::new().into());
+        let (starts, face_starts) = (vec![[0; 2]].into(), vec![0].into());
+        Self { columns: PolyhedraColumns { starts, sides, corners, face_starts, around }, most: Most::default() }
+    }
+
+    /// The lists that they are.
+    pub(crate) fn columns(&self) -> &PolyhedraColumns {
+        &self.columns
     }
 
     /// How many cells there are.
     pub fn len(&self) -> usize {
-        self.starts.len() - 1
+        self.columns.starts.len() - 1
     }
 
     /// Whether there is no cell.
@@ -58,40 +90,35 @@ impl Polyhedra {
 
     /// How many faces the cells have, those that two share counted once.
     pub fn faces(&self) -> usize {
-        self.face_starts.len() - 1
+        self.columns.face_starts.len() - 1
     }
 
-    /// Triangles of the cell that has most.
-    pub fn most_triangles(&self) -> usize {
-        self.most_triangles
+    /// What the cells have at most.
+    pub fn most(&self) -> Most {
+        self.most
     }
 
     /// All cells as slices, for repeated access.
     pub fn view(&self) -> PolyhedraView<'_> {
-        PolyhedraView {
-            starts: &self.starts,
-            sides: &self.sides,
-            corners: &self.corners,
-            face_starts: &self.face_starts,
-            around: &self.around,
-        }
+        let PolyhedraColumns { starts, sides, corners, face_starts, around } = &self.columns;
+        PolyhedraView { starts, sides, corners, face_starts, around }
     }
 
     /// The faces that one cell alone has, as that cell sees them.
     pub fn exterior(&self) -> impl Iterator<Item = PolyFace<'_>> {
         let mut sides = vec![0_u8; self.faces()];
-        for &side in &self.sides[..] {
+        for &side in &self.columns.sides[..] {
             let seen = &mut sides[side as usize / 2];
             *seen = seen.saturating_add(1);
         }
         let view = self.view();
-        self.sides.iter().filter(move |&&side| sides[side as usize / 2] == 1).map(move |&side| view.face(side))
+        self.columns.sides.iter().filter(move |&&side| sides[side as usize / 2] == 1).map(move |&side| view.face(side))
     }
 
     /// Bytes of memory that the cells take.
     pub fn owned_bytes(&self) -> u64 {
-        self.starts.owned_bytes()
-            + [&self.sides, &self.corners, &self.face_starts, &self.around].map(Column::owned_bytes).iter().sum::<u64>()
+        let PolyhedraColumns { starts, sides, corners, face_starts, around } = &self.columns;
+        starts.owned_bytes() + [sides, corners, face_starts, around].map(Column::owned_bytes).iter().sum::<u64>()
     }
 }
 

@@ -5,11 +5,13 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::directory::{HexahedraEntry, Span};
-use super::order::{HEX_WORDS, InOrder, Ordered, TET_WORDS, Tell};
+use super::directory::{HexahedraEntry, PolyhedraEntry, Span};
+use super::order::{CELLS_AT_ONCE, HEX_WORDS, InOrder, Ordered, TET_WORDS, Tell};
 use super::sink::{ColumnWriter, Sink};
 use super::write::Phase;
-use crate::columns::{Association, BlockIds, Bounds, CellSource, Dataset, HexShape, Placement, UNUSED, orientation_of};
+use crate::columns::{
+    Association, BlockIds, Bounds, Built, CellSource, Dataset, HexShape, Placement, Polyhedra, UNUSED, orientation_of,
+};
 use crate::error::Result;
 
 /// The columns of the cells.
@@ -17,6 +19,8 @@ pub(super) struct WrittenCells {
     pub(super) orientation: Span,
     pub(super) tetrahedra: Span,
     pub(super) hexahedra: Option<HexahedraEntry>,
+    /// And what they are in memory.
+    pub(super) polyhedra: Option<(PolyhedraEntry, Polyhedra)>,
     pub(super) block_ids: Vec<BlockIds>,
     pub(super) block_bounds: Vec<[[f32; 3]; 2]>,
     /// Of the cell arrays, in their order.
@@ -33,13 +37,14 @@ pub(super) fn write(
     tell: Tell,
 ) -> Result<WrittenCells> {
     let (tets, hexahedra) = (ordered.tets.cells, ordered.hexahedra.cells);
+    let cells = tets + hexahedra + ordered.polyhedra.len();
     let orientation = sink.column(Some(tets.div_ceil(64) as u64 * 8));
     let mut cell_arrays: Vec<(usize, ColumnWriter)> = Vec::new();
     for (i, head) in source.arrays().into_iter().enumerate() {
         if head.association == Association::Cell {
             let mut one = Vec::new();
             source.append_values(i, &[0], &mut one);
-            cell_arrays.push((i, sink.column(Some((one.len() * (tets + hexahedra)) as u64))));
+            cell_arrays.push((i, sink.column(Some((one.len() * cells) as u64))));
         }
     }
     let mut writer = Writer {
@@ -51,17 +56,28 @@ pub(super) fn write(
         block_bounds: Vec::new(),
         cell_arrays,
         done: 0,
-        cells: tets + hexahedra,
+        cells,
     };
     let (orientation, tetrahedra, block_ids) = writer.tets(&mut ordered.tets, orientation)?;
     let hexahedra = (hexahedra > 0).then(|| writer.hexahedra(&mut ordered.hexahedra)).transpose()?;
+    let polyhedra = std::mem::take(&mut ordered.polyhedra);
+    let polyhedra = (polyhedra.len() > 0).then(|| writer.polyhedra(polyhedra, &ordered.canonical)).transpose()?;
     let Writer { vertices, block_bounds, cell_arrays, sink, .. } = writer;
     let cell_arrays = cell_arrays.into_iter().map(|(_, column)| sink.finish(column)).collect::<Result<_>>()?;
     let file_from_vertex = vertices.file_from_vertex;
-    Ok(WrittenCells { orientation, tetrahedra, hexahedra, block_ids, block_bounds, cell_arrays, file_from_vertex })
+    Ok(WrittenCells {
+        orientation,
+        tetrahedra,
+        hexahedra,
+        polyhedra,
+        block_ids,
+        block_bounds,
+        cell_arrays,
+        file_from_vertex,
+    })
 }
 
-/// The columns that cells of both kinds share, while they are written.
+/// The columns that cells of all kinds share, while they are written.
 struct Writer<'a, 'f> {
     source: &'a dyn CellSource,
     placement: Placement,
@@ -149,6 +165,34 @@ impl Writer<'_, '_> {
             shapes,
             adjacency: None,
         })
+    }
+
+    /// The polyhedra: their faces, each once.
+    fn polyhedra(&mut self, built: Built, canonical: &[u32]) -> Result<(PolyhedraEntry, Polyhedra)> {
+        let (source, placement) = (self.source, self.placement);
+        built.points().for_each(|point| self.vertices.number(&[point]));
+        let file_cells = built.file_from_cell.clone();
+        let polyhedra = built.finish(|point| self.vertices.of(point), canonical)?;
+        let view = polyhedra.view();
+        for first in (0..polyhedra.len()).step_by(Dataset::BLOCK_CELLS) {
+            let run = first..(first + Dataset::BLOCK_CELLS).min(polyhedra.len());
+            let position = |&v: &u32| place(source, placement, self.vertices.file_from_vertex[v as usize]);
+            let positions = run.flat_map(|cell| view.corners(cell)).map(position);
+            self.block_bounds.push(corners_of(positions.fold(Bounds::EMPTY, Bounds::include)));
+        }
+        let columns = polyhedra.columns();
+        let mut whole = |words: &[u32]| self.sink.whole(bytemuck::cast_slice(words));
+        let entry = PolyhedraEntry {
+            cells: polyhedra.len() as u64,
+            faces: polyhedra.faces() as u64,
+            starts: whole(columns.starts.as_flattened())?,
+            sides: whole(&columns.sides)?,
+            corners: whole(&columns.corners)?,
+            face_starts: whole(&columns.face_starts)?,
+            around: whole(&columns.around)?,
+        };
+        file_cells.chunks(CELLS_AT_ONCE).try_for_each(|some| self.append_arrays(some))?;
+        Ok((entry, polyhedra))
     }
 
     /// Appends the values of the next cells to the arrays over cells.

@@ -24,8 +24,8 @@ pub struct Checked {
 }
 
 /// Reads the whole container: checksums, vertex numbers (in range; of tetrahedra ascending), positions (finite, within their block's
-/// box), orientation bits, shapes but for the choice of the diagonals, neighbours, counts; that points of a regular grid are where
-/// it says, and that its octrees are those of its values.
+/// box), orientation bits, shapes but for the choice of the diagonals, that polyhedra are closed, neighbours, counts; that points of a
+/// regular grid are where it says, and that its octrees are those of its values.
 ///
 /// # Errors
 /// [`Error::Malformed`] with the first column, block or cell that is wrong.
@@ -82,8 +82,11 @@ fn problem_of(dataset: &Dataset, block: usize) -> Option<(usize, &'static str)> 
         BlockCells::Hexahedra(hexahedra) => {
             problem_of_hexahedron(dataset, &view, view.base + cell, (hexahedra.get(cell), hexahedra.shape(cell)))
         }
-        // A container holds none.
-        BlockCells::Polyhedra(_) => None,
+        BlockCells::Polyhedra(polyhedra) => {
+            let position = |v: u32| Vec3::from_array(view.positions[v as usize]);
+            let is_outside = polyhedra.corners(cell).iter().any(|&v| is_outside(&view, position(v)));
+            if is_outside { Some(OUTSIDE) } else { polyhedra.problem_of(cell, position) }
+        }
     };
     (0..view.len()).find_map(|cell| of_cell(cell).map(|problem| (view.base + cell, problem)))
 }

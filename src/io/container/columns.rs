@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use bytemuck::Pod;
 
-use super::directory::{HexahedraEntry, Span};
-use crate::columns::{Column, HexCorners, Hexahedra, SharedBytes, StructuredBlock};
-use crate::error::Result;
+use super::directory::{HexahedraEntry, PolyhedraEntry, Span};
+use crate::columns::{Column, HexCorners, Hexahedra, Polyhedra, PolyhedraColumns, SharedBytes, StructuredBlock};
+use crate::error::{Error, Result};
 
 impl Span {
     /// The values of the column called `name`.
@@ -29,5 +29,25 @@ impl HexahedraEntry {
             (None, None) => HexCorners::Structured(Vec::new()),
         };
         Hexahedra::in_file(corners, shapes, self.absent as usize, vertices)
+    }
+}
+
+impl PolyhedraEntry {
+    /// The cells, of so many vertices; what is wrong with them otherwise, and in which column.
+    pub(super) fn column(&self, bytes: &SharedBytes, vertices: usize) -> Result<Polyhedra, (&'static str, String)> {
+        // Copied: a file that is changed in place must not change what was found right.
+        let words = |name, span: Span| -> Result<Column<u32>, (&'static str, String)> {
+            let column = span.column::<u32>(name, bytes).map_err(|error: Error| (name, error.to_string()))?;
+            Ok(column.to_vec().into())
+        };
+        let starts = words("starts of polyhedra", self.starts)?;
+        let columns = PolyhedraColumns {
+            starts: starts.chunks_exact(2).map(|two| [two[0], two[1]]).collect(),
+            sides: words("faces of polyhedra", self.sides)?,
+            corners: words("corners of polyhedra", self.corners)?,
+            face_starts: words("starts of faces", self.face_starts)?,
+            around: words("corners of faces", self.around)?,
+        };
+        Polyhedra::in_file(columns, vertices)
     }
 }

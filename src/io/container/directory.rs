@@ -13,8 +13,8 @@ use crate::error::{Error, Result, presentable};
 /// How a container begins; what text-mode transfers change is in it.
 pub const MAGIC: [u8; 8] = *b"\x89CELLS\r\n";
 
-/// The versions: of tetrahedra alone, and with cells of other kinds.
-pub(super) const VERSIONS: [u32; 2] = [1, 2];
+/// The versions: of tetrahedra alone, with cells of four-cornered faces, and with polyhedra.
+pub(super) const VERSIONS: [u32; 3] = [1, 2, 3];
 
 /// Columns begin at multiples of this.
 pub(super) const ALIGNMENT: u64 = 64;
@@ -56,9 +56,9 @@ impl Header {
         let word = |at: usize| u64::from_le_bytes(std::array::from_fn(|i| header[at + i]));
         let version = word(8) as u32;
         if !VERSIONS.contains(&version) {
-            let [first, second] = VERSIONS;
+            let [first, .., last] = VERSIONS;
             return Err(format!(
-                "version {version}; this program reads {first} and {second}; write it again with convert"
+                "version {version}; this program reads {first} to {last}; write it again with convert"
             ));
         }
         let fields = [word(16), word(24), word(32), word(40)];
@@ -107,6 +107,8 @@ pub(super) struct Directory {
     pub(super) tetrahedra: Span,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) hexahedra: Option<HexahedraEntry>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) polyhedra: Option<PolyhedraEntry>,
     pub(super) block_ids: Span,
     pub(super) block_bounds: Span,
     /// Which cells lie across the faces of tetrahedra.
@@ -138,6 +140,19 @@ pub(super) struct HexahedraEntry {
     /// Which cells lie across their faces, where they are listed and the file says it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) adjacency: Option<Span>,
+}
+
+/// Cells with any faces.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(super) struct PolyhedraEntry {
+    pub(super) cells: u64,
+    /// Faces of theirs, those of two cells counted once.
+    pub(super) faces: u64,
+    pub(super) starts: Span,
+    pub(super) sides: Span,
+    pub(super) corners: Span,
+    pub(super) face_starts: Span,
+    pub(super) around: Span,
 }
 
 /// A named array.
@@ -183,13 +198,18 @@ impl Directory {
 
     /// The version of a file with this directory.
     pub(super) fn version(&self) -> u32 {
-        VERSIONS[usize::from(self.hexahedra.is_some())]
+        match (&self.hexahedra, &self.polyhedra) {
+            (None, None) => VERSIONS[0],
+            (Some(_), None) => VERSIONS[1],
+            (_, Some(_)) => VERSIONS[2],
+        }
     }
 
-    /// How many tetrahedra and hexahedra there are.
-    pub(super) fn by_kind(&self) -> [u64; 2] {
+    /// How many tetrahedra, hexahedra and polyhedra there are.
+    pub(super) fn by_kind(&self) -> [u64; 3] {
         let hexahedra = self.hexahedra.as_ref().map_or(0, |hexahedra| hexahedra.cells);
-        [self.cells - hexahedra, hexahedra]
+        let polyhedra = self.polyhedra.map_or(0, |polyhedra| polyhedra.cells);
+        [self.cells - hexahedra - polyhedra, hexahedra, polyhedra]
     }
 
     /// What is told of the file.
@@ -229,7 +249,7 @@ impl Directory {
     /// Numbers that 32 bits hold, columns of the right length that lie in the file, aligned, without overlap.
     fn check(&self, file_bytes: u64, version: u32) -> std::result::Result<(), (String, String)> {
         let directory = |problem: String| ("directory".to_owned(), problem);
-        let kind = if self.hexahedra.is_some() { Self::MIXED } else { Self::TETRAHEDRON };
+        let kind = if self.version() == VERSIONS[0] { Self::TETRAHEDRON } else { Self::MIXED };
         if self.cell_kind != kind || self.version() != version {
             return Err(directory(format!("cells of kind {:?}, where version {version} has others", self.cell_kind)));
         }
@@ -245,6 +265,15 @@ impl Directory {
         {
             let of = format!("{absent} absent, {wedges} wedges, {pyramids} pyramids");
             return Err(directory(format!("{cells} hexahedra ({of}) among {} cells", self.cells)));
+        }
+        if let Some(PolyhedraEntry { cells, faces, .. }) = self.polyhedra {
+            let others = self.hexahedra.as_ref().map_or(0, |hexahedra| hexahedra.cells);
+            if cells == 0 || cells > self.cells - others || faces > u64::from(u32::MAX) / 2 {
+                return Err(directory(format!("{cells} polyhedra of {faces} faces among {} cells", self.cells)));
+            }
+            if self.adjacency.is_some() {
+                return Err(("column adjacency".to_owned(), "beside polyhedra, whose faces imply it".to_owned()));
+            }
         }
         if self.cells_per_block != Dataset::BLOCK_CELLS as u64 {
             let problem =
@@ -283,9 +312,9 @@ impl Directory {
 
     /// Every column.
     pub(super) fn spans(&self) -> std::result::Result<Vec<ColumnSpan>, (String, String)> {
-        let [tets, hexahedra] = self.by_kind();
-        let of_tets = tets.div_ceil(self.cells_per_block);
-        let blocks = of_tets + hexahedra.div_ceil(self.cells_per_block);
+        let [tets, hexahedra, polyhedra] = self.by_kind();
+        let [of_tets, of_hexahedra, of_polyhedra] = self.by_kind().map(|cells| cells.div_ceil(self.cells_per_block));
+        let blocks = of_tets + of_hexahedra + of_polyhedra;
         let mut spans = vec![
             ("positions".to_owned(), self.positions, Some(self.vertices * 12)),
             ("orientation".to_owned(), self.orientation, Some(tets.div_ceil(64) * 8)),
@@ -299,8 +328,10 @@ impl Directory {
             spans.push(("shapes".to_owned(), entry.shapes, Some(hexahedra * size_of_shape)));
             match (entry.corners, entry.blocks) {
                 (Some(corners), None) => spans.push(("corners".to_owned(), corners, Some(hexahedra * 32))),
-                (None, Some(blocks)) if tets > 0 || blocks.bytes % size_of::<StructuredBlock>() as u64 != 0 => {
-                    return wrong("blocks beside tetrahedra, or a part of a block");
+                (None, Some(blocks))
+                    if tets + polyhedra > 0 || blocks.bytes % size_of::<StructuredBlock>() as u64 != 0 =>
+                {
+                    return wrong("blocks beside other cells, or a part of a block");
                 }
                 (None, Some(blocks)) => spans.push(("structured blocks".to_owned(), blocks, None)),
                 _ => return wrong("either corners or blocks say where they are"),
@@ -311,6 +342,16 @@ impl Directory {
                 (.., Some(_)) => return adjacency("structured blocks imply it"),
                 _ => return adjacency("it is there for cells of one kind and not of the other"),
             }
+        }
+        if let Some(PolyhedraEntry { faces, starts, sides, corners, face_starts, around, .. }) = self.polyhedra {
+            let columns = [
+                ("starts of polyhedra", starts, Some((polyhedra + 1) * 8)),
+                ("faces of polyhedra", sides, None),
+                ("corners of polyhedra", corners, None),
+                ("starts of faces", face_starts, Some((faces + 1) * 4)),
+                ("corners of faces", around, None),
+            ];
+            spans.extend(columns.map(|(name, span, bytes)| (name.to_owned(), span, bytes)));
         }
         let of_hexahedra = self.hexahedra.as_ref().and_then(|entry| entry.adjacency);
         let neighbours = [

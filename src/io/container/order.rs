@@ -1,7 +1,7 @@
 //! Cells in order, found by a sort that keeps to its memory.
 //!
-//! In: cells in file order. Out: those with a volume along the curve in space, tetrahedra and hexahedra each by themselves; the
-//! order is that of [`Dataset::from_cells`], to the bit.
+//! In: cells in file order. Out: those with a volume along the curve in space, tetrahedra, hexahedra and polyhedra each by themselves;
+//! the order is that of [`Dataset::from_cells`], to the bit. Polyhedra, whose faces are in memory, are sorted there.
 
 use std::path::Path;
 
@@ -11,7 +11,8 @@ use rayon::prelude::*;
 use super::external_sort::{ExternalSort, Sorted};
 use super::write::Phase;
 use crate::columns::{
-    CellCounts, CellSource, Dataset, HexShape, Placement, canonical_from_point, describe, orientation_of,
+    Built, CellCounts, CellSource, Dataset, FaceLists, HexShape, Placement, canonical_from_point, describe,
+    orientation_of,
 };
 use crate::error::{Error, Result};
 
@@ -33,6 +34,9 @@ pub(super) struct Ordered<'a> {
     pub(super) counts: CellCounts,
     pub(super) tets: InOrder<'a, TET_WORDS>,
     pub(super) hexahedra: InOrder<'a, HEX_WORDS>,
+    pub(super) polyhedra: Built,
+    /// What the points of polyhedra are compared by; of no length where there are none.
+    pub(super) canonical: Vec<u32>,
 }
 
 /// Cells of one kind in order.
@@ -63,6 +67,8 @@ pub(super) fn order<'a>(source: &dyn CellSource, path: &'a Path, memory_bytes: u
     let (tets, hexahedra) = (source.tets(), source.hexahedra());
     // Both wait to be written: each has its part of the memory.
     let of_tets = share(memory_bytes, tets * TET_WORDS, hexahedra.len() * HEX_WORDS);
+    let no_faces = FaceLists::default();
+    let (faces, file_from) = source.polyhedra().unwrap_or((&no_faces, &[]));
     let mut sorting = Sorting { path, counts: source.counts(), done: 0, cells: tets + hexahedra.len(), tell };
 
     let of_tet = |tet: u32| {
@@ -72,7 +78,8 @@ pub(super) fn order<'a>(source: &dyn CellSource, path: &'a Path, memory_bytes: u
         (sign != 0).then_some(([high, low, tet], sign < 0))
     };
     let tets = sorting.sort(tets, of_tets, of_tet)?;
-    let canonical = if hexahedra.is_empty() { Vec::new() } else { canonical_from_point(points) };
+    let has_names = !hexahedra.is_empty() || !faces.is_empty();
+    let canonical = if has_names { canonical_from_point(points) } else { Vec::new() };
     let of_hexahedron = |hexahedron: u32| {
         let corners = hexahedra[hexahedron as usize];
         let positions = corners.map(position);
@@ -82,11 +89,15 @@ pub(super) fn order<'a>(source: &dyn CellSource, path: &'a Path, memory_bytes: u
         (!shape.is_absent()).then_some(([high, low, hexahedron, bits.into()], shape.is_mirrored()))
     };
     let hexahedra = sorting.sort(hexahedra.len(), memory_bytes - of_tets, of_hexahedron)?;
-    let counts = sorting.counts;
-    if tets.cells + hexahedra.cells == 0 {
+    let polyhedra = Built::new(faces, file_from, &canonical, position, &placement)?;
+    let mut counts = sorting.counts;
+    counts.inverted += polyhedra.mirrored;
+    counts.degenerate += polyhedra.flat;
+    if tets.cells + hexahedra.cells + polyhedra.len() == 0 {
         return Err(Error::NoCells { found: describe(&counts) });
     }
-    Ok(Ordered { placement, counts, tets, hexahedra })
+    let canonical = if polyhedra.len() == 0 { Vec::new() } else { canonical };
+    Ok(Ordered { placement, counts, tets, hexahedra, polyhedra, canonical })
 }
 
 /// The part of `bytes` for the first of two that need it like `first` to `second`.
@@ -141,19 +152,20 @@ type Extent = Result<(DVec3, DVec3)>;
 /// The box around all corners of cells.
 fn extent(source: &dyn CellSource) -> Extent {
     let (points, limit) = (source.points(), u64::from(u32::MAX) - 1);
-    let cells = source.tets() + source.hexahedra().len();
+    let polyhedra = source.polyhedra();
+    let cells = source.tets() + source.hexahedra().len() + polyhedra.map_or(0, |(faces, _)| faces.cells());
     for (column, len) in [("points", points.len() as u64), ("cells", cells as u64)] {
         if len > limit {
             return Err(Error::TooLarge { column, len, limit });
         }
     }
     let nothing = || Ok((DVec3::INFINITY, DVec3::NEG_INFINITY));
-    let include = |all: Extent, corners: &[u32], file_cell: &dyn Fn() -> u32| {
+    let include_of = |column: &'static str, all: Extent, corners: &[u32], file_cell: &dyn Fn() -> u32| {
         let (mut low, mut high) = all?;
         for &v in corners {
             if v as usize >= points.len() {
                 let (cell, len) = (u64::from(file_cell()), points.len() as u64);
-                return Err(Error::IndexOutOfRange { column: "connectivity", cell, index: v.into(), len });
+                return Err(Error::IndexOutOfRange { column, cell, index: v.into(), len });
             }
             let p = points.get(v as usize);
             if !p.is_finite() {
@@ -163,6 +175,8 @@ fn extent(source: &dyn CellSource) -> Extent {
         }
         Ok((low, high))
     };
+    let include =
+        |all: Extent, corners: &[u32], file_cell: &dyn Fn() -> u32| include_of("connectivity", all, corners, file_cell);
     let union = |a: Extent, b: Extent| {
         let ((low, high), (other_low, other_high)) = (a?, b?);
         Ok((low.min(other_low), high.max(other_high)))
@@ -173,5 +187,10 @@ fn extent(source: &dyn CellSource) -> Extent {
     };
     let tets = (0..source.tets()).into_par_iter().fold(nothing, include_tet);
     let hexahedra = source.hexahedra().par_iter().enumerate().fold(nothing, include_hexahedron);
-    tets.chain(hexahedra).reduce(nothing, union)
+    let Some((faces, file_from)) = polyhedra else { return tets.chain(hexahedra).reduce(nothing, union) };
+    let include_polyhedron = |all, cell: usize| {
+        faces.faces(cell).fold(all, |all, around| include_of("faces", all, around, &|| file_from[cell]))
+    };
+    let polyhedra = (0..faces.cells()).into_par_iter().fold(nothing, include_polyhedron);
+    tets.chain(hexahedra).chain(polyhedra).reduce(nothing, union)
 }

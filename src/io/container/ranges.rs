@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::directory::RangeEntry;
 use super::sink::Sink;
-use crate::columns::{Association, Dataset, Hexahedra, NumericColumn, Tets};
+use crate::columns::{Association, Dataset, Hexahedra, NumericColumn, Polyhedra, Tets};
 use crate::error::Result;
 
 /// Beyond this many components only the magnitude's range is kept.
@@ -17,6 +17,7 @@ const COMPONENTS_MAX: usize = 9;
 pub(super) struct Cells<'a> {
     pub(super) tets: &'a Tets,
     pub(super) hexahedra: &'a Hexahedra,
+    pub(super) polyhedra: &'a Polyhedra,
 }
 
 /// The ranges of one scalar of an array.
@@ -64,7 +65,7 @@ pub(super) fn of_array(
 }
 
 fn of_scalar(
-    Cells { tets, hexahedra }: Cells,
+    Cells { tets, hexahedra, polyhedra }: Cells,
     tuples: usize,
     association: Association,
     value: impl Fn(usize) -> f64 + Sync,
@@ -76,13 +77,19 @@ fn of_scalar(
         .fold(|| NOTHING, |[low, high], value| [low.min(value), high.max(value)])
         .reduce(|| NOTHING, |a, b| [a[0].min(b[0]), a[1].max(b[1])]);
     let (of_tets, of_hexahedra, first) = (tets.view(), hexahedra.view(), tets.len());
+    let (of_polyhedra, first_polyhedron) = (polyhedra.view(), first + hexahedra.len());
     let of_vertex = |v: u32| value(v as usize);
     let of_run = |run: Range<usize>| match association {
         Association::Cell => of_block(run, |cell| [value(cell)]),
         Association::Point if run.start < first => of_block(run, |cell| of_tets.get(cell).map(of_vertex)),
-        Association::Point => of_block(run, |cell| of_hexahedra.get(cell - first).map(of_vertex)),
+        Association::Point if run.start < first_polyhedron => {
+            of_block(run, |cell| of_hexahedra.get(cell - first).map(of_vertex))
+        }
+        Association::Point => {
+            of_block(run, |cell| of_polyhedra.corners(cell - first_polyhedron).iter().map(|&v| of_vertex(v)))
+        }
     };
-    let runs: Vec<Range<usize>> = Dataset::runs(first, hexahedra.len()).collect();
+    let runs: Vec<Range<usize>> = Dataset::runs([first, hexahedra.len(), polyhedra.len()]).collect();
     let per_block: Vec<([f64; 2], u64)> = runs.into_par_iter().map(of_run).collect();
     Ranges {
         range: (low <= high).then_some([low, high]),
@@ -92,10 +99,10 @@ fn of_scalar(
 }
 
 /// Smallest and largest value of the cells whose values are all finite, and how many are not such.
-fn of_block<const N: usize>(cells: Range<usize>, values: impl Fn(usize) -> [f64; N]) -> ([f64; 2], u64) {
+fn of_block<I: IntoIterator<Item = f64> + Clone>(cells: Range<usize>, values: impl Fn(usize) -> I) -> ([f64; 2], u64) {
     cells.map(values).fold((NOTHING, 0), |([low, high], bad), values| {
-        if values.iter().all(|value| value.is_finite()) {
-            (values.iter().fold([low, high], |[low, high], &value| [low.min(value), high.max(value)]), bad)
+        if values.clone().into_iter().all(f64::is_finite) {
+            (values.into_iter().fold([low, high], |[low, high], value| [low.min(value), high.max(value)]), bad)
         } else {
             ([low, high], bad + 1)
         }

@@ -9,12 +9,13 @@ use bytemuck::Pod;
 use glam::{DVec3, Vec3};
 
 use super::directory::{Directory, MAGIC, Span};
-use crate::cells::{CellKind, HEXAHEDRON, PYRAMID, TETRAHEDRON, WEDGE};
+use crate::cells::{HEXAHEDRON, PYRAMID, TETRAHEDRON, WEDGE};
 use crate::columns::{
     Array, ArrayRanges, Association, BitColumn, Block, Bounds, Column, Dataset, Hexahedra, Neighbours, NumericColumn,
     Polyhedra, SharedBytes, Tets, ValueRanges,
 };
 use crate::error::{Error, Result, presentable, without_controls};
+use crate::io::face_streams::POLYHEDRON;
 use crate::io::mapping::bytes_of;
 
 /// Whether the file at `path` begins as a container does.
@@ -31,7 +32,7 @@ pub fn is_container(path: &Path) -> Result<bool> {
 /// Opens a container: in place through a memory map, or (`use_map` false) read whole.
 ///
 /// Header, directory, and the layout of all columns are checked, the contents are not: that would read all of a file that may be
-/// larger than memory. [`check`](super::check()) does. A vertex number beyond the last vertex reads as the last one. Whole cells
+/// larger than memory. [`check`](super::check()) does. Only the faces of polyhedra are read through, into memory. A vertex number beyond the last vertex reads as the last one. Whole cells
 /// stay whole; [`Dataset::into_tetrahedra`] cuts them.
 ///
 /// # Errors
@@ -47,7 +48,8 @@ pub fn open(path: &Path, use_map: bool) -> Result<Dataset> {
     let columns = Columns { bytes, path };
 
     let vertices = directory.vertices as usize;
-    let [of_tets, of_hexahedra] = directory.by_kind().map(|cells| cells as usize);
+    let by_kind = directory.by_kind().map(|cells| cells as usize);
+    let [of_tets, of_hexahedra, _] = by_kind;
     let positions = columns.of("positions", directory.positions)?;
     let words = columns.of("orientation", directory.orientation)?;
     let wrong = |place: &str, problem: &str| columns.malformed(place, problem.to_owned());
@@ -67,6 +69,10 @@ pub fn open(path: &Path, use_map: bool) -> Result<Dataset> {
         .map_or_else(|| Ok(Hexahedra::none()), |entry| entry.column(&columns.bytes, vertices));
     let hexahedra = hexahedra.map_err(|error| columns.malformed("hexahedra", error.to_string()))?;
 
+    let polyhedra =
+        directory.polyhedra.map_or_else(|| Ok(Polyhedra::none()), |entry| entry.column(&columns.bytes, vertices));
+    let polyhedra = polyhedra.map_err(|(column, problem)| columns.malformed(&format!("column {column}"), problem))?;
+
     let neighbours = |from_tet: Span| {
         let from_hexahedron = of_listed.map(|span| columns.of("adjacency of hexahedra", span)).transpose()?;
         let from_hexahedron = from_hexahedron.unwrap_or_else(|| Vec::new().into());
@@ -77,11 +83,12 @@ pub fn open(path: &Path, use_map: bool) -> Result<Dataset> {
     let block_bounds: Column<[[f32; 3]; 2]> = columns.of("block_bounds", directory.block_bounds)?;
     let mut blocks = Vec::with_capacity(block_bounds.len());
     let mut bounds = Bounds::EMPTY;
-    for (i, (cells, &[min, max])) in Dataset::runs(of_tets, of_hexahedra).zip(&block_bounds[..]).enumerate() {
+    for (i, (cells, &[min, max])) in Dataset::runs(by_kind).zip(&block_bounds[..]).enumerate() {
         let block = Bounds { min: Vec3::from_array(min), max: Vec3::from_array(max) };
         let is_box = block.min.cmple(block.max).all() && block.min.is_finite() && block.max.is_finite();
         // Of hexahedra, a block may have none that is drawn.
-        if !is_box && (cells.start < of_tets || block != Bounds::EMPTY) {
+        let may_be_empty = (of_tets..of_tets + of_hexahedra).contains(&cells.start) && block == Bounds::EMPTY;
+        if !is_box && !may_be_empty {
             return Err(columns.malformed("column block_bounds", format!("the box of block {i} is none")));
         }
         bounds = bounds.union(block);
@@ -97,7 +104,7 @@ pub fn open(path: &Path, use_map: bool) -> Result<Dataset> {
         positions,
         tets,
         hexahedra,
-        polyhedra: Polyhedra::none(),
+        polyhedra,
         positive,
         file_from_vertex: None,
         file_from_cell: None,
@@ -112,18 +119,23 @@ pub fn open(path: &Path, use_map: bool) -> Result<Dataset> {
     })
 }
 
-/// The cells of a container by kind, those included that are not drawn; from its directory.
+/// The cells of a container by VTK's code of their kind, those included that are not drawn; from its directory. Prisms are polyhedra there.
 ///
 /// # Errors
 /// As [`open`].
-pub fn cells_by_kind(path: &Path, use_map: bool) -> Result<Vec<(&'static CellKind, u64)>> {
+pub fn cells_by_kind(path: &Path, use_map: bool) -> Result<Vec<(u8, u64)>> {
     let file = File::open(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
     let (bytes, _) = bytes_of(path, file, use_map)?;
     let directory = Directory::read((*bytes).as_ref(), path)?;
-    let [tets, hexahedra] = directory.by_kind();
+    let [tets, hexahedra, polyhedra] = directory.by_kind();
     let (wedges, pyramids) = directory.hexahedra.map_or((0, 0), |entry| (entry.wedges, entry.pyramids));
-    let all =
-        [(&TETRAHEDRON, tets), (&HEXAHEDRON, hexahedra - wedges - pyramids), (&WEDGE, wedges), (&PYRAMID, pyramids)];
+    let all = [
+        (TETRAHEDRON.code, tets),
+        (HEXAHEDRON.code, hexahedra - wedges - pyramids),
+        (WEDGE.code, wedges),
+        (PYRAMID.code, pyramids),
+        (POLYHEDRON, polyhedra),
+    ];
     Ok(all.into_iter().filter(|&(_, cells)| cells > 0).collect())
 }
 

@@ -88,6 +88,7 @@ pub(super) fn write(cells: StructuredCells, grid: Option<&Volume>, path: &Path, 
         orientation,
         tetrahedra,
         hexahedra: Some(hexahedra),
+        polyhedra: None,
         block_ids,
         block_bounds,
         adjacency: None,
@@ -109,7 +110,7 @@ fn write_array(array: &Array, dataset: &Dataset, sink: &mut Sink) -> Result<Arra
     }
     let values = sink.finish(column)?;
     let mut entry = ArrayEntry::new(ArrayHead::from(array), values);
-    let cells = Cells { tets: &dataset.tets, hexahedra: &dataset.hexahedra };
+    let cells = Cells { tets: &dataset.tets, hexahedra: &dataset.hexahedra, polyhedra: &dataset.polyhedra };
     for ranges in ranges::of_array(cells, &array.values, array.association, array.components) {
         entry.ranges.push(ranges.write(sink)?);
     }

@@ -1,12 +1,13 @@
 mod adjacency;
 mod octree;
+mod polyhedra;
 mod whole;
 
 use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::directory::{Directory, Header};
+use super::directory::{Directory, Header, Span};
 use super::*;
 use crate::columns::{
     Array, Association, BlockIds, CellCounts, CellSource, Component, FieldSelection, NumericColumn, Points,
@@ -51,6 +52,9 @@ fn assert_same(container: &Dataset, expected: &Dataset) {
     let (a, b) = (container.hexahedra.view(), expected.hexahedra.view());
     assert_eq!((a.len(), container.hexahedra.absent()), (b.len(), expected.hexahedra.absent()));
     assert!((0..a.len()).all(|cell| (a.get(cell), a.shape(cell)) == (b.get(cell), b.shape(cell))));
+    let (a, b) = (container.polyhedra.view(), expected.polyhedra.view());
+    assert_eq!((a.len(), container.polyhedra.most()), (b.len(), expected.polyhedra.most()));
+    assert!((0..a.len()).all(|cell| a.corners(cell) == b.corners(cell) && a.faces(cell).eq(b.faces(cell))));
     let bits = |dataset: &Dataset| (0..dataset.tets.len()).map(|i| dataset.positive.get(i)).collect::<Vec<_>>();
     assert!(bits(container) == bits(expected));
     let blocks = |dataset: &Dataset| dataset.blocks.iter().map(|b| (b.cells.clone(), b.bounds)).collect::<Vec<_>>();

@@ -13,7 +13,8 @@ use super::ranges::{self, Cells};
 use super::sink::Sink;
 use crate::atomic::AtomicFile;
 use crate::columns::{
-    Association, BitColumn, CellColumns, CellSource, Column, Dataset, Hexahedra, NumericColumn, SharedBytes, Tets,
+    Association, BitColumn, CellColumns, CellSource, Column, Dataset, Hexahedra, NumericColumn, Polyhedra, SharedBytes,
+    Tets,
 };
 use crate::error::{Error, Result};
 use crate::io::mapping::bytes_of;
@@ -90,6 +91,10 @@ const VERTICES_AT_ONCE: usize = 1 << 18;
 pub fn write(source: &dyn CellSource, path: &Path, options: &WriteOptions, tell: Tell) -> Result<Written> {
     check_machine(path)?;
     source.check()?;
+    if options.adjacency && source.polyhedra().is_some() {
+        let problem = "prisms and polyhedra name the faces that they share; leave it out".to_owned();
+        return Err(Error::Option { option: "--adjacency", problem });
+    }
     let points = source.points();
     let fixed_bytes = points.len() as u64 * 12;
     let sort_bytes = options.memory_bytes.saturating_sub(fixed_bytes).max(1 << 18);
@@ -113,7 +118,8 @@ pub fn write(source: &dyn CellSource, path: &Path, options: &WriteOptions, tell:
     }
     let block_ids = sink.whole(bytemuck::cast_slice(&cells.block_ids))?;
     let block_bounds = sink.whole(bytemuck::cast_slice(&cells.block_bounds))?;
-    let so_far = SoFar::new(&cells, positions, ordered.tets.cells, path, &mut sink)?;
+    let (polyhedra, in_memory) = cells.polyhedra.take().unzip();
+    let so_far = SoFar::new((&cells, in_memory), positions, ordered.tets.cells, path, &mut sink)?;
     let mut adjacency = None;
     if options.adjacency {
         let [of_tets, of_hexahedra] = adjacency::write(so_far.cells(), path, sort_bytes, &mut sink, tell)?;
@@ -122,10 +128,11 @@ pub fn write(source: &dyn CellSource, path: &Path, options: &WriteOptions, tell:
     }
     so_far.write_ranges(&mut arrays, &mut sink, tell)?;
 
-    let kind = if cells.hexahedra.is_some() { Directory::MIXED } else { Directory::TETRAHEDRON };
+    let is_mixed = cells.hexahedra.is_some() || polyhedra.is_some();
+    let kind = if is_mixed { Directory::MIXED } else { Directory::TETRAHEDRON };
     let directory = Directory {
         cell_kind: kind.to_owned(),
-        cells: (ordered.tets.cells + ordered.hexahedra.cells) as u64,
+        cells: (ordered.tets.cells + ordered.hexahedra.cells) as u64 + polyhedra.map_or(0, |entry| entry.cells),
         vertices: cells.file_from_vertex.len() as u64,
         cells_per_block: Dataset::BLOCK_CELLS as u64,
         origin: ordered.placement.origin.to_array(),
@@ -134,6 +141,7 @@ pub fn write(source: &dyn CellSource, path: &Path, options: &WriteOptions, tell:
         orientation: cells.orientation,
         tetrahedra: cells.tetrahedra,
         hexahedra: cells.hexahedra,
+        polyhedra,
         block_ids,
         block_bounds,
         adjacency,
@@ -197,11 +205,18 @@ struct SoFar {
     tets: Tets,
     positive: BitColumn,
     hexahedra: Hexahedra,
+    polyhedra: Polyhedra,
     positions: Column<[f32; 3]>,
 }
 
 impl SoFar {
-    fn new(written: &WrittenCells, positions: Span, tets: usize, path: &Path, sink: &mut Sink) -> Result<Self> {
+    fn new(
+        (written, polyhedra): (&WrittenCells, Option<Polyhedra>),
+        positions: Span,
+        tets: usize,
+        path: &Path,
+        sink: &mut Sink,
+    ) -> Result<Self> {
         let (bytes, _) = bytes_of(path, sink.written()?, true)?;
         let vertices = written.file_from_vertex.len();
         let words = written.orientation.column("orientation", &bytes)?;
@@ -218,7 +233,8 @@ impl SoFar {
             None => Hexahedra::none(),
         };
         let positions = positions.column("positions", &bytes)?;
-        Ok(Self { bytes, tets, positive, hexahedra, positions })
+        let polyhedra = polyhedra.unwrap_or_else(Polyhedra::none);
+        Ok(Self { bytes, tets, positive, hexahedra, polyhedra, positions })
     }
 
     fn cells(&self) -> CellColumns<'_> {
@@ -229,15 +245,16 @@ impl SoFar {
     /// Writes the ranges of the arrays' blocks.
     fn write_ranges(&self, arrays: &mut [ArrayEntry], sink: &mut Sink, tell: Tell) -> Result<()> {
         let count = arrays.len() as u64;
-        let Self { tets, hexahedra, positions, .. } = self;
+        let Self { tets, hexahedra, polyhedra, positions, .. } = self;
         for (i, array) in arrays.iter_mut().enumerate() {
-            let cells = tets.len() + hexahedra.len();
+            let cells = tets.len() + hexahedra.len() + polyhedra.len();
             let tuples = if array.association == Association::Point { positions.len() } else { cells };
             let (components, offset) = (array.components as usize, array.values.offset as usize);
             let bytes = Arc::clone(&self.bytes);
             let values = NumericColumn::shared(&array.number_type, &array.name, bytes, offset, tuples * components)?;
             let Some(values) = values else { continue };
-            for ranges in ranges::of_array(Cells { tets, hexahedra }, &values, array.association, components) {
+            for ranges in ranges::of_array(Cells { tets, hexahedra, polyhedra }, &values, array.association, components)
+            {
                 array.ranges.push(ranges.write(sink)?);
             }
             tell(Phase::Ranges, i as u64 + 1, count);

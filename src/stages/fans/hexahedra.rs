@@ -198,7 +198,7 @@ fn flags(vertex: [u32; 8], shape: HexShape, is_homogeneous: bool, is_constant: b
 
 /// (x·w, y·w, w) of a vertex, x and y relative to `first_px`.
 fn homogeneous(view: &View, first_px: [f32; 2], vertex: SceneVertex) -> DVec3 {
-    let from_eye = DVec3::from_array(vertex.position.map(f64::from)) - view.eye;
+    let from_eye = DVec3::from_array(vertex.position.map(f64::from)) - view.beside().eye;
     let w = from_eye.dot(view.forward);
     let along = |step: DVec3, first: f32| {
         let per_px = step / step.length_squared();

@@ -182,7 +182,12 @@ impl PixelBoxes {
     }
 
     /// As [`PixelBoxes::of_cell`], for a cell with any number of corners.
-    fn of_polyhedron(&self, corners: &[u32], vertices: &[SceneVertex], screen: &[ScreenVertex]) -> Option<PixelBox> {
+    pub(in crate::stages) fn of_polyhedron(
+        &self,
+        corners: &[u32],
+        vertices: &[SceneVertex],
+        screen: &[ScreenVertex],
+    ) -> Option<PixelBox> {
         let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
         let (mut nearest, mut farthest) = (f32::INFINITY, f32::NEG_INFINITY);
         for &v in corners {

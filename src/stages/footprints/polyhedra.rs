@@ -30,17 +30,12 @@ pub struct ExactRays {
     step_y: DVec3,
 }
 
-/// Rays begin so much aside, in scene units, for all cells alike: an eye on a corner or an edge of the mesh would leave no sign to the
-/// sides of the edges there, for any ray. Less than single precision resolves.
-const ASIDE: DVec3 = DVec3::new(2.9e-8, 1.7e-8, 2.3e-8);
-
 impl ExactRays {
     /// The rays of the tile that begins at pixel (x, y).
     pub fn new(view: &View, x: u32, y: u32) -> Self {
-        let aside = view.corner + view.step_x * f64::from(x) + view.step_y * f64::from(y);
-        let eye = view.eye + ASIDE;
-        let first = if view.is_perspective { view.forward + aside } else { eye + aside };
-        let View { is_perspective, forward, step_x, step_y, .. } = *view;
+        let View { is_perspective, eye, forward, step_x, step_y, corner, .. } = view.beside();
+        let aside = corner + step_x * f64::from(x) + step_y * f64::from(y);
+        let first = if is_perspective { forward + aside } else { eye + aside };
         Self { is_perspective, eye, forward, first, step_x, step_y }
     }
 
@@ -98,7 +93,7 @@ pub struct PolyFootprint {
 }
 
 /// Of a cell's depth, what is no length: some ulp of it.
-const LEAST: f32 = 1e-6;
+pub(in crate::stages) const LEAST: f32 = 1e-6;
 
 /// A corner: where it is, its depth and its value.
 #[derive(Clone, Copy)]

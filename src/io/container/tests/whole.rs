@@ -105,7 +105,7 @@ fn listed_cells_of_all_kinds_are_what_they_become_in_memory() {
         let kinds = cells_by_kind(&path, true).unwrap();
         let count = |code: u8| mesh_kinds(&mesh)[usize::from(code)];
         assert_eq!(kinds.len(), 4);
-        assert!(kinds.iter().all(|&(kind, cells)| cells == count(kind.code)), "{kinds:?}");
+        assert!(kinds.iter().all(|&(kind, cells)| cells == count(kind)), "{kinds:?}");
 
         folder.container(&mesh, 0);
         assert!(fs::read(&path).unwrap() == bytes, "any memory gives the same file");
