@@ -2,6 +2,7 @@
 //!
 //! In: a [`Frame`]. Out: [`Slice`]s of the draw order, farthest cells first, each of at most so many fans.
 
+#[cfg(feature = "gpu")]
 use std::ops::Range;
 use std::time::Instant;
 

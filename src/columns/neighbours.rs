@@ -283,8 +283,10 @@ pub(crate) fn within_blocks<'a, const N: usize>(
     rows: &'a mut [[u32; N]],
 ) -> impl ParallelIterator<Item = Vec<Side>> + 'a {
     let blocks = rows.par_chunks_mut(Dataset::BLOCK_CELLS).enumerate();
-    blocks.map(move |(block, rows)| match control.is_cancelled() {
-        true => Vec::new(),
-        false => within_block(faces, first + block * Dataset::BLOCK_CELLS, rows),
+    blocks.map(move |(block, rows)| {
+        if control.is_cancelled() {
+            return Vec::new();
+        }
+        within_block(faces, first + block * Dataset::BLOCK_CELLS, rows)
     })
 }

@@ -90,7 +90,8 @@ impl Classifier {
         let end = knots.get(piece as usize).copied().unwrap_or(f32::INFINITY);
         let mut are_in = true;
         for l in 0..LANES {
-            are_in &= (s[l] >= start) & (s[l] < end) | (length[l] <= 0.0);
+            let [is_above, is_below, is_empty] = [s[l] >= start, s[l] < end, length[l] <= 0.0];
+            are_in &= (is_above & is_below) | is_empty;
         }
         are_in
     }

@@ -28,22 +28,22 @@ pub(super) fn pairs(
 #[target_feature(enable = "avx512f")]
 fn pairs_avx512(bytes: &[u8], start: &[u32; LANES], offsets: [usize; 4]) -> [[u32; LANES]; 4] {
     use std::arch::x86_64::{
-        __m512i, _mm512_i32gather_epi32, _mm512_loadu_si512, _mm512_min_epu32, _mm512_set1_epi32, _mm512_slli_epi32,
-        _mm512_srlv_epi32, _mm512_storeu_si512, _mm512_sub_epi32,
+        _mm512_i32gather_epi32, _mm512_loadu_epi32, _mm512_min_epu32, _mm512_set1_epi32, _mm512_slli_epi32,
+        _mm512_srlv_epi32, _mm512_storeu_epi32, _mm512_sub_epi32,
     };
     let limit = bytes.len() - 4 - offsets[3];
     // SAFETY: sixteen words are read from `start`.
-    let start = unsafe { _mm512_loadu_si512(start.as_ptr().cast::<__m512i>()) };
+    let start = unsafe { _mm512_loadu_epi32(start.as_ptr().cast()) };
     // A word that would end beyond the slice begins earlier, and its pair is further up in it.
     let first = _mm512_min_epu32(start, _mm512_set1_epi32(limit as i32));
     let shift = _mm512_slli_epi32::<3>(_mm512_sub_epi32(start, first));
     offsets.map(|offset| {
-        debug_assert!(limit + offset + 4 <= bytes.len() && limit <= i32::MAX as usize);
+        debug_assert!(limit + offset + 4 <= bytes.len() && i32::try_from(limit).is_ok());
         // SAFETY: `first` is at most `limit`, which as an i32 is not negative, and `limit + offset + 4` at most the slice's length.
         let words = unsafe { _mm512_i32gather_epi32::<1>(first, bytes.as_ptr().add(offset).cast()) };
         let mut out = [0; LANES];
         // SAFETY: sixteen words are written to `out`.
-        unsafe { _mm512_storeu_si512(out.as_mut_ptr().cast::<__m512i>(), _mm512_srlv_epi32(words, shift)) };
+        unsafe { _mm512_storeu_epi32(out.as_mut_ptr().cast(), _mm512_srlv_epi32(words, shift)) };
         out
     })
 }

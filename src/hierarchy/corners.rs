@@ -70,7 +70,7 @@ impl SampleVisitor for Corners<'_> {
         let SelectedCorners { hierarchy, drawn, .. } = self.of;
         let dims = hierarchy.dims();
         let leaves = Leaves::new(samples, hierarchy.offset(), hierarchy.interpolation(), dims);
-        Drawn { leaves, dims, hierarchy, drawn }.corners(self.cube.level, self.cube.node.map(u32::from))
+        Drawn { leaves, dims, hierarchy, bits: drawn }.corners(self.cube.level, self.cube.node.map(u32::from))
     }
 }
 
@@ -80,7 +80,7 @@ struct Drawn<'a, T> {
     /// Smallest boxes along i, j and k.
     dims: [u32; 3],
     hierarchy: &'a Hierarchy,
-    drawn: &'a [Vec<AtomicU64>],
+    bits: &'a [Vec<AtomicU64>],
 }
 
 impl<T: Sample> Drawn<'_, T> {
@@ -100,7 +100,7 @@ impl<T: Sample> Drawn<'_, T> {
 
     /// The value at a point that is a corner of a drawn box of `level`.
     fn value(&self, point: [u32; 3], level: u16) -> f32 {
-        for above in (usize::from(level)..self.drawn.len()).rev().filter(|&above| !self.drawn[above].is_empty()) {
+        for above in (usize::from(level)..self.bits.len()).rev().filter(|&above| !self.bits[above].is_empty()) {
             let level = above as u16 + 1;
             let Some(node) = self.drawn_at(point, above) else { continue };
             let [first, end] = self.ends(level, node);
@@ -126,7 +126,7 @@ impl<T: Sample> Drawn<'_, T> {
             for j in &sides[1][..number(1)] {
                 for i in &sides[0][..number(0)] {
                     let bit = index(dims, [*i, *j, *k]);
-                    if self.drawn[above][bit / 64].load(Ordering::Relaxed) >> (bit % 64) & 1 == 1 {
+                    if self.bits[above][bit / 64].load(Ordering::Relaxed) >> (bit % 64) & 1 == 1 {
                         return Some([*i, *j, *k]);
                     }
                 }

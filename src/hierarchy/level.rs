@@ -31,7 +31,7 @@ impl Node {
     #[inline]
     pub(super) fn of_sample(value: f32) -> Self {
         let [min, max] = if value.is_nan() { [f32::INFINITY, f32::NEG_INFINITY] } else { [value; 2] };
-        Self { mean: value, min, max, error: value - value }
+        Self { mean: value, min, max, error: if value.is_finite() { 0.0 } else { f32::NAN } }
     }
 
     /// From what the columns have.

@@ -293,7 +293,8 @@ fn slopes_of_a_ramp_are_its_own() {
         let slopes = Slopes::new((&tree, &field));
         for (node, level) in [([0, 0, 0], 0), ([4, 3, 2], 0), ([1, 1, 1], 1), ([0, 1, 0], 2)] {
             let slope = slopes.of(&Cube { node, level, value: 0.0 });
-            assert_eq!(slope, [1.0, 3.0, -1.0], "{interpolation:?} {node:?} {level}");
+            let is_near = slope.iter().zip([1.0, 3.0, -1.0]).all(|(found, expected)| (found - expected).abs() < 1e-6);
+            assert!(is_near, "{interpolation:?} {node:?} {level}: {slope:?}");
         }
     }
     // Beside a hole: the other side alone.

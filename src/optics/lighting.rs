@@ -126,7 +126,8 @@ pub struct Lamps {
     diffuse: f32,
     specular: f32,
     shininess: f32,
-    lamps: Vec<(Vec3, Vec3)>,
+    /// Unit vectors towards them, and their colours.
+    all: Vec<(Vec3, Vec3)>,
 }
 
 /// What a cell sends towards the eye, of what it emits and of what it hides.
@@ -144,7 +145,7 @@ impl Lamps {
     /// Those of a view, whose axes [`Lighting::lamps`] takes.
     pub fn new(lighting: &Lighting, axes: [DVec3; 3]) -> Self {
         let Lighting { ambient, diffuse, specular, shininess, .. } = *lighting;
-        Self { ambient, diffuse, specular, shininess, lamps: lighting.lamps(axes) }
+        Self { ambient, diffuse, specular, shininess, all: lighting.lamps(axes) }
     }
 
     /// The reflection of a surface with this gradient, of any length, seen from `toward_eye`, a unit vector; of strength 1.
@@ -163,7 +164,7 @@ impl Lamps {
     pub fn reflection(&self, gradient: Vec3, toward_eye: Vec3) -> Reflection {
         let normal = gradient.try_normalize().unwrap_or(Vec3::ZERO);
         let (mut color, mut highlight) = (Vec3::ZERO, Vec3::ZERO);
-        for &(toward, light) in &self.lamps {
+        for &(toward, light) in &self.all {
             color += light * self.ambient;
             if normal != Vec3::ZERO {
                 let facing = normal.dot(toward);

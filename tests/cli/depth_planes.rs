@@ -84,7 +84,7 @@ fn what_does_not_fit_is_refused() {
         place.planes(&format!("-o out.png {more}")).fails(1, &[part]);
     }
     place.render("--method depth-planes -o out.png").fails(1, &["regular grid"]);
-    place.render("--shade -o out.png").fails(1, &["--shade", "depth planes"]);
+    place.render("--shade --model mip -o out.png").fails(1, &["--shade", "reflected"]);
     place.render("--cross-sections -o out.npy").fails(1, &["--cross-sections", "depth-planes"]);
     assert_eq!(place.names(), names);
 }

@@ -16,7 +16,8 @@ fn read_json(place: &Place, name: &str) -> Value {
 #[test]
 fn table_and_files_tell_the_same() {
     let place = Place::with_mesh();
-    let files = "--frames 20 --orbit 90 --warm-up 2 --stats p.json --csv p.csv --plot p.png --trace t.json";
+    let files = "--cpu-method footprints --frames 20 --orbit 90 --warm-up 2 --stats p.json --csv p.csv --plot p.png \
+                 --trace t.json";
     let ran = profile(&place, files).succeeds();
     assert_eq!(place.names(), ["mesh.vtu", "p.csv", "p.json", "p.png", "t.json"]);
     let report = read_json(&place, "p.json");
@@ -70,7 +71,8 @@ fn table_and_files_tell_the_same() {
 #[test]
 fn trace_shows_workers_and_what_they_do() {
     let place = Place::with_mesh();
-    profile(&place, "--frames 3 --warm-up 1 --half-size 1 --threads 2 --trace t.json --plot p.svg").succeeds();
+    let files = "--cpu-method footprints --frames 3 --warm-up 1 --half-size 1 --threads 2 --trace t.json --plot p.svg";
+    profile(&place, files).succeeds();
     let trace = read_json(&place, "t.json");
     let events = trace["traceEvents"].as_array().unwrap();
     let spans = |name: &str| events.iter().filter(|e| e["ph"] == "X" && e["name"] == name).collect::<Vec<_>>();
@@ -93,6 +95,21 @@ fn trace_shows_workers_and_what_they_do() {
         events.iter().filter(|e| e["name"] == "thread_name").map(|e| e["args"]["name"].as_str().unwrap()).collect();
     assert!(threads.iter().any(|name| name.starts_with("worker ")), "{threads:?}");
     assert!(String::from_utf8(place.read("p.svg")).unwrap().contains("frames a second"));
+}
+
+#[test]
+fn rays_from_cell_to_cell_are_profiled() {
+    let place = Place::with_mesh();
+    let ran = profile(&place, "--frames 3 --half-size 0 --threads 2 --trace t.json --stats p.json").succeeds();
+    for stage in ["project", "entrances", "rays", "other"] {
+        assert!(ran.out.lines().any(|line| line.starts_with(&format!("{stage} "))), "{stage}: {}", ran.out);
+    }
+    let trace = read_json(&place, "t.json");
+    let names: Vec<_> =
+        trace["traceEvents"].as_array().unwrap().iter().filter_map(|event| event["name"].as_str()).collect();
+    for name in ["entrances", "rays", "project"] {
+        assert!(names.contains(&name), "{name}: {names:?}");
+    }
 }
 
 #[test]

@@ -70,6 +70,10 @@ fn frames_are_numbered_stacked_and_turned() {
     assert_eq!(shape, [4, 40, 48, 4]);
     // Frame 0 is the view itself; frame 2 has turned by half of the angle about the centre.
     place.render("-o one.npy --view 100,20").succeeds();
+    // A single frame is drawn by footprints, several by rays from cell to cell.
+    let one = npy(&place.path("one.npy")).1;
+    assert!(one.iter().zip(&frames).all(|(a, b)| (a - b).abs() < 1e-4));
+    place.render("-o one.npy --view 100,20 --cpu-method rays").succeeds();
     assert_eq!(npy(&place.path("one.npy")).1, frames[..frames.len() / 4]);
     let middle = &frames[frames.len() / 2..frames.len() * 3 / 4];
     place.render("-o one.npy --view 55,20").succeeds();

@@ -64,21 +64,12 @@ impl Twin {
         if is_corner || !self.follows {
             return self.field().values.get(self.field().index(point.map(|along| along as usize)));
         }
-        self.between(&self.corners(largest), [first, end], DVec3::from(point.map(f64::from)))
+        between(&self.corners(largest), [first, end], DVec3::from(point.map(f64::from)))
     }
 
     fn corners(&self, cube: &Cube) -> [f64; 8] {
         let ends = cube.samples(self.boxes);
         std::array::from_fn(|corner| self.value([0, 1, 2].map(|axis| ends[corner >> axis & 1][axis])))
-    }
-
-    fn between(&self, corners: &[f64; 8], [first, end]: [[u32; 3]; 2], at: DVec3) -> f64 {
-        let [low, high] = [first, end].map(|end| DVec3::from(end.map(f64::from)));
-        let share = (at - low) / (high - low);
-        let weight = |corner: usize| {
-            (0..3).map(|axis| if corner >> axis & 1 == 1 { share[axis] } else { 1.0 - share[axis] }).product::<f64>()
-        };
-        (0..8).map(|corner| weight(corner) * corners[corner]).sum()
     }
 
     /// The parts of a ray, nearest first.
@@ -95,7 +86,7 @@ impl Twin {
                 continue;
             }
             let depth = |part: usize| enter + (leave - enter) * part as f64 / PARTS as f64;
-            let value = |part: usize| self.between(corners, ends, origin + direction * depth(part));
+            let value = |part: usize| between(corners, ends, origin + direction * depth(part));
             segments.extend((0..PARTS).map(|part| {
                 let w = [part, part + 1].map(depth);
                 let length_world = (w[1] - w[0]) * ray.direction.length();
@@ -121,6 +112,16 @@ impl Twin {
         }
         (errors.len(), errors.iter().sum::<f64>() / errors.len() as f64, errors.into_iter().fold(0.0, f64::max))
     }
+}
+
+/// The value at `at`, given along the axes in the numbers of `corners`, by the values of a box's corners.
+fn between(corners: &[f64; 8], [first, end]: [[u32; 3]; 2], at: DVec3) -> f64 {
+    let [low, high] = [first, end].map(|end| DVec3::from(end.map(f64::from)));
+    let share = (at - low) / (high - low);
+    let weight = |corner: usize| {
+        (0..3).map(|axis| if corner >> axis & 1 == 1 { share[axis] } else { 1.0 - share[axis] }).product::<f64>()
+    };
+    (0..8).map(|corner| weight(corner) * corners[corner]).sum()
 }
 
 #[test]
@@ -176,8 +177,7 @@ fn a_linear_field_needs_few_cubes_and_is_the_same_picture_at_every_size() {
     use cellfan::columns::{Array, Lattice, Volume};
     let dims = [33, 20, 17];
     let place = |i: usize| [i % dims[0], i / dims[0] % dims[1], i / (dims[0] * dims[1])].map(|along| along as f32);
-    let values: Vec<f32> =
-        (0..dims.iter().product()).map(|i| place(i)).map(|[x, y, z]| x + 2.0 * y + 4.0 * z).collect();
+    let values: Vec<f32> = (0..dims.iter().product()).map(place).map(|[x, y, z]| x + 2.0 * y + 4.0 * z).collect();
     let array = Array { name: "v".into(), association: Association::Point, components: 1, values: values.into() };
     let volume = Volume::new(dims, Lattice::new(DVec3::ZERO, DVec3::splat(0.03)), vec![array]).unwrap();
     let field = volume.field(&FieldSelection::parse("v", &[])).unwrap();

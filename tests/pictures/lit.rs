@@ -84,7 +84,7 @@ fn datasets() -> [(&'static str, Dataset); 2] {
     let dims = [9, 7, 8];
     let place = |i: usize| [i % dims[0], i / dims[0] % dims[1], i / (dims[0] * dims[1])].map(|along| along as f64);
     let points: Vec<[f64; 3]> = (0..dims.iter().product())
-        .map(|i| place(i))
+        .map(place)
         .map(|[x, y, z]| [0.1 * x + 0.02 * (0.7 * y).sin(), 0.13 * y + 0.015 * (0.9 * z).cos(), 0.11 * z])
         .collect();
     let values: Vec<f64> = points.iter().map(|[x, y, z]| 0.5 + 0.5 * (4.0 * x + 3.0 * y * z).sin()).collect();

@@ -43,7 +43,8 @@ impl Image {
         let array = self.array.bind(py);
         let [height, width, _] = *array.shape() else { return Err(refused("the picture has lost its shape")) };
         let values = array.try_readonly()?.as_array().iter().copied().collect::<Vec<f32>>();
-        Ok(cellfan::Image { width: width as u32, height: height as u32, pixels: values.as_chunks().0.to_vec() })
+        let side = |side: usize| u32::try_from(side).map_err(|_| refused("the picture has lost its shape"));
+        Ok(cellfan::Image { width: side(width)?, height: side(height)?, pixels: values.as_chunks().0.to_vec() })
     }
 
     fn encoding(&self, background: Option<[f32; 3]>) -> Encoding {

@@ -23,7 +23,7 @@ use crate::watch::watched;
 struct Open {
     session: Session<'static>,
     /// Read by the session alone.
-    _mesh: Box<LentMesh>,
+    mesh: Box<LentMesh>,
 }
 
 /// Scalars and what they belong to.
@@ -34,7 +34,7 @@ impl Open {
         let mesh = Box::new(mesh);
         // SAFETY: the mesh is kept beside the session and dropped after it.
         let view = unsafe { forever(&mesh) }?;
-        Ok(Self { session: Session::on(Threads::Count(threads), &with_values(view, values))?, _mesh: mesh })
+        Ok(Self { session: Session::on(Threads::Count(threads), &with_values(view, values))?, mesh })
     }
 
     fn replace(&mut self, mesh: LentMesh, values: &Values) -> cellfan::Result<()> {
@@ -42,7 +42,7 @@ impl Open {
         // SAFETY: the mesh is kept beside the session from here on; where it is refused, the session keeps nothing of it.
         let view = unsafe { forever(&mesh) }?;
         self.session.update_topology(&with_values(view, values))?;
-        self._mesh = mesh;
+        self.mesh = mesh;
         Ok(())
     }
 }

@@ -139,13 +139,12 @@ impl Planes {
     /// [`Error::Option`] where they cannot.
     pub(super) fn interpolation(&self) -> Result<Interpolation> {
         match self.filter {
-            None => Ok(Interpolation::Constant),
             Some(Filter::Trilinear) => Ok(Interpolation::Trilinear),
             Some(filter) if self.method == Method::Cubes => {
                 let problem = format!("{} is for depth planes; cubes take trilinear", filter.name());
                 Err(Error::Option { option: "--filter", problem })
             }
-            Some(_) => Ok(Interpolation::Constant),
+            None | Some(_) => Ok(Interpolation::Constant),
         }
     }
 

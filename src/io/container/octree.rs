@@ -226,8 +226,9 @@ pub(super) fn problem_of(path: &Path, use_map: bool, dataset: &crate::Dataset) -
     for (vertex, position) in dataset.positions.iter().enumerate() {
         let point = [vertex % ni, vertex / ni % nj, vertex / (ni * nj)].map(|along| along as f64);
         let stored = dataset.origin + glam::Vec3::from(*position).as_dvec3();
-        // A NaN is no distance.
-        if !(stored.distance(volume.lattice.world(point.into())) <= 1e-5 * size) {
+        // A NaN is no distance either.
+        let is_there = stored.distance(volume.lattice.world(point.into())) <= 1e-5 * size;
+        if !is_there {
             return Ok(Some(("lattice".to_owned(), format!("vertex {vertex} is not where it says"))));
         }
     }

@@ -47,11 +47,11 @@ impl LinearCube {
     pub(super) fn ends(&self, rays: &BlockRays, crossing: &Crossing) -> [[Lanes; 3]; 2] {
         [&crossing.enter, &crossing.leave].map(|depth| {
             let mut place = [[0.0; LANES]; 3];
-            for axis in 0..3 {
+            for (axis, place) in place.iter_mut().enumerate() {
                 let (low, per_side) = (self.low[axis], self.per_side[axis]);
                 for i in 0..LANES {
                     let at = rays.origin[axis][i] - low + depth[i] * rays.step[axis][i];
-                    place[axis][i] = min(max(at * per_side, 0.0), 1.0);
+                    place[i] = min(max(at * per_side, 0.0), 1.0);
                 }
             }
             place

@@ -79,7 +79,7 @@ impl Front {
 /// The faces by which rays come in, tile by tile.
 #[derive(Default)]
 pub(super) struct Fronts {
-    fronts: Vec<Front>,
+    all: Vec<Front>,
     front_from_entry: Vec<u32>,
     /// Where each tile's begin, and the last one's end.
     first_of_tile: Vec<usize>,
@@ -120,13 +120,13 @@ impl Fronts {
                 self.front_from_entry[self.first_of_tile[tile]] = front as u32;
             }
         }
-        self.fronts.clear();
-        self.fronts.extend(boxed.into_iter().map(|(front, _)| front));
+        self.all.clear();
+        self.all.extend(boxed.into_iter().map(|(front, _)| front));
     }
 
     /// A face by its number among them.
     pub(super) fn front(&self, number: u32) -> &Front {
-        &self.fronts[number as usize]
+        &self.all[number as usize]
     }
 
     fn of_tile(&self, tile: usize) -> &[u32] {
@@ -213,7 +213,8 @@ fn depth_within(corners: &[RayVertex; 3], at: [[f32; 2]; 3], is_perspective: boo
     for k in 0..3 {
         let ([x0, y0], [x1, y1]) = (at[(k + 1) % 3], at[(k + 2) % 3]);
         // A ray on an edge belongs to the triangle on one side of it, which runs along it the other way.
-        let is_inside = weights[k] > 0.0 || (weights[k] == 0.0 && (y1 < y0 || (y1 == y0 && x1 > x0)));
+        let has_its_edge = y1 < y0 || (y1 <= y0 && x1 > x0);
+        let is_inside = weights[k] > 0.0 || (weights[k] >= 0.0 && has_its_edge);
         if !is_inside {
             return None;
         }

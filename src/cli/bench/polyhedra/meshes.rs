@@ -67,7 +67,7 @@ pub(super) const PAPER: [PaperMesh; 4] = [
 
 /// A grid around half a fin: dense at its nose, coarse away from it.
 fn around_a_fin(at: DVec3) -> DVec3 {
-    let (radius, angle) = (0.2 + 0.8 * at.x * at.x, 0.5 * PI * at.y);
+    let (radius, angle) = (0.2 + 0.8 * at.x * at.x, 0.5 * PI * (1.0 - at.y));
     DVec3::new(-radius * angle.cos(), radius * angle.sin(), at.z)
 }
 

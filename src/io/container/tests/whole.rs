@@ -252,7 +252,7 @@ fn directories_of_whole_cells_that_lie_are_refused() {
         (|d| entry(d).shapes.bytes -= 2, "column shapes"),
         (|d| entry(d).corners = entry(d).blocks, "corners or blocks"),
         (|d| entry(d).blocks = entry(d).corners, "corners or blocks"),
-        (|d| (entry(d).blocks, entry(d).corners) = (entry(d).corners, None), "blocks beside tetrahedra"),
+        (|d| (entry(d).blocks, entry(d).corners) = (entry(d).corners, None), "blocks beside other cells"),
         (|d| entry(d).corners.as_mut().unwrap().offset = d.positions.offset, "overlaps"),
         (|d| d.adjacency = Some(d.positions), "adjacency"),
     ];
