@@ -87,7 +87,7 @@ pub(super) fn composite<O: Optics, S: Sink<O>>(
         let mut lane = 0;
         while lane < cells.len() {
             if scratch.log.room() < PIXELS {
-                send::<O, S>(kernels, &mut scratch.log, sink);
+                kernels.send::<O, S>(&mut scratch.log, sink);
             }
             if cell_of(lane) >= first_polyhedron {
                 composite_polyhedron(tile, optics, cell_of(lane), kernels, scratch, sink);
@@ -130,10 +130,10 @@ pub(super) fn composite<O: Optics, S: Sink<O>>(
             lane = next;
             if lane < cells.len() && cell_of(lane) < first_hexahedron {
                 // The log was full.
-                send::<O, S>(kernels, log, sink);
+                kernels.send::<O, S>(log, sink);
             }
         }
-        send::<O, S>(kernels, &mut scratch.log, sink);
+        kernels.send::<O, S>(&mut scratch.log, sink);
     }
 }
 
@@ -167,16 +167,16 @@ fn composite_hexahedron<O: Optics, S: Sink<O>>(
     let span = span.within(tile.length_world_max([footprint.v_min, footprint.v_max])).of_cell(hexahedron.index);
     if footprint.outline == Outline::Simple {
         kernels.meet(hits, tile, footprint, done);
-        hits.shade(optics, span, contributions, log);
+        kernels.shade(hits, optics, span, contributions, log);
         return;
     }
     crossed.find((tile.frame.view, tile.first_px, tile.limits.as_deref()), hexahedron, footprint);
     for nth in 0..crossed.parts.most() {
         if log.room() < PIXELS {
-            send::<O, S>(kernels, log, sink);
+            kernels.send::<O, S>(log, sink);
         }
         crossed.parts.put(nth, tile, hits, done);
-        hits.shade(optics, span, contributions, log);
+        kernels.shade(hits, optics, span, contributions, log);
     }
 }
 
@@ -202,15 +202,15 @@ fn composite_polyhedron<O: Optics, S: Sink<O>>(
     } else {
         kernels.meet_polyhedron::<false>(hits, tile, footprint, done);
     }
-    hits.shade(optics, span, contributions, log);
+    kernels.shade(hits, optics, span, contributions, log);
     if hits.of_polyhedron.parts.most() > 0 {
         let parts = std::mem::take(&mut hits.of_polyhedron.parts);
         for nth in 0..parts.most() {
             if log.room() < PIXELS {
-                send::<O, S>(kernels, log, sink);
+                kernels.send::<O, S>(log, sink);
             }
             parts.put(nth, tile, hits, done);
-            hits.shade(optics, span, contributions, log);
+            kernels.shade(hits, optics, span, contributions, log);
         }
         hits.of_polyhedron.parts = parts;
     }
@@ -218,14 +218,14 @@ fn composite_polyhedron<O: Optics, S: Sink<O>>(
 
 /// Gives the fragments of the log's group to `sink`, and begins the next group.
 #[inline(always)]
-fn send<O: Optics, S: Sink<O>>(kernels: impl CellKernels, log: &mut Log, sink: &mut S) {
+pub(super) fn send<O: Optics, S: Sink<O>>(simd: impl Simd, log: &mut Log, sink: &mut S) {
     for number in log.group() {
         let (record, v_enter, packed) = log.get(number);
         let mut contribution = [[0.0; LANES]; 4];
         for c in 0..O::CHANNELS {
-            contribution[c] = kernels.expand(record.lanes, &packed[c], O::CLEAR[c]);
+            contribution[c] = simd.expand(record.lanes, &packed[c], O::CLEAR[c]);
         }
-        let v_enter = kernels.expand(record.lanes, &v_enter, f32::INFINITY);
+        let v_enter = simd.expand(record.lanes, &v_enter, f32::INFINITY);
         let fragments = Fragments {
             block: record.block as usize % BLOCKS,
             number,
@@ -233,7 +233,7 @@ fn send<O: Optics, S: Sink<O>>(kernels: impl CellKernels, log: &mut Log, sink: &
             v_enter: &v_enter,
             contribution: &contribution,
         };
-        sink.accept(kernels, &fragments, log);
+        sink.accept(simd, &fragments, log);
     }
     log.begin_group();
 }

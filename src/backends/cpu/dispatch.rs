@@ -8,7 +8,7 @@
 
 use std::ops::Range;
 
-use super::composite::{Scratch, composite};
+use super::composite::{Scratch, composite, send};
 use super::cubes::{BinnedCube, CubeTile};
 use super::hexahedra;
 use super::hits::Hits;
@@ -20,10 +20,10 @@ use super::simd::{ByAvx2, ByAvx512};
 use super::simd::{ByLane, Simd};
 use super::sink::Sink;
 use super::tetrahedra::{self, TetHits};
-use super::tile::TileFrame;
+use super::tile::{BLOCKS, TileFrame};
 use crate::backends::Frame;
 use crate::columns::HexShape;
-use crate::optics::{LANES, Optics};
+use crate::optics::{CellSpan, Contribution, LANES, Optics};
 use crate::stages::SceneVertex;
 use crate::stages::footprints::hexahedra::HexFootprint;
 use crate::stages::footprints::planes::{Corners, TileRays};
@@ -221,7 +221,8 @@ fn composite_avx512<O: Optics, S: Sink<O>>(
     composite(tile, optics, order, unsafe { ByAvx512::new() }, scratch, sink);
 }
 
-/// What is done for cells whatever the optical model: compiled once for each instruction set, not once more for each model.
+/// What is done for cells at more than one place, or whatever the optical model: compiled once for each instruction set, and once more only
+/// for what it is generic in.
 pub(super) trait CellKernels: Simd {
     /// [`TetBatch::set_up`].
     fn set_up_tets(self, batch: &mut TetBatch, tile: &TileFrame, corners: &Corners);
@@ -241,7 +242,14 @@ pub(super) trait CellKernels: Simd {
     fn meet(self, hits: &mut Hits, tile: &TileFrame, cell: &HexFootprint, done: u64);
     /// [`polyhedra::meet`].
     fn meet_polyhedron<const IS_SUM: bool>(self, hits: &mut Hits, tile: &TileFrame, cell: &PolyFootprint, done: u64);
+    /// [`Hits::shade`].
+    fn shade<O: Optics>(self, hits: &Hits, optics: &O, span: CellSpan, scratch: &mut Shades, log: &mut Log);
+    /// [`send`].
+    fn send<O: Optics, S: Sink<O>>(self, log: &mut Log, sink: &mut S);
 }
+
+/// Room for the contributions of one cell.
+type Shades = [Contribution; BLOCKS];
 
 /// A cell of the dataset with its corners among all vertices, and its value where it has one.
 #[derive(Clone, Copy, Debug)]
@@ -293,10 +301,20 @@ impl CellKernels for ByLane {
     fn meet_polyhedron<const IS_SUM: bool>(self, hits: &mut Hits, tile: &TileFrame, cell: &PolyFootprint, done: u64) {
         polyhedra::meet::<IS_SUM>(hits, tile, cell, self, done);
     }
+
+    #[inline(never)]
+    fn shade<O: Optics>(self, hits: &Hits, optics: &O, span: CellSpan, scratch: &mut Shades, log: &mut Log) {
+        hits.shade(optics, span, scratch, log);
+    }
+
+    #[inline(never)]
+    fn send<O: Optics, S: Sink<O>>(self, log: &mut Log, sink: &mut S) {
+        send::<O, S>(self, log, sink);
+    }
 }
 
 macro_rules! cell_kernels {
-    ($by:ty, $features:literal, $set_up_tets:ident, $meet_tets:ident, $set_up:ident, $meet:ident, $meet_polyhedron:ident) => {
+    ($by:ty, $features:literal, $set_up_tets:ident, $meet_tets:ident, $set_up:ident, $meet:ident, $meet_polyhedron:ident, $shade:ident, $send:ident) => {
         #[cfg(target_arch = "x86_64")]
         impl CellKernels for $by {
             fn set_up_tets(self, batch: &mut TetBatch, tile: &TileFrame, corners: &Corners) {
@@ -336,6 +354,16 @@ macro_rules! cell_kernels {
             ) {
                 // SAFETY: as above.
                 unsafe { $meet_polyhedron::<IS_SUM>(self, hits, tile, cell, done) }
+            }
+
+            fn shade<O: Optics>(self, hits: &Hits, optics: &O, span: CellSpan, scratch: &mut Shades, log: &mut Log) {
+                // SAFETY: as above.
+                unsafe { $shade(hits, optics, span, scratch, log) }
+            }
+
+            fn send<O: Optics, S: Sink<O>>(self, log: &mut Log, sink: &mut S) {
+                // SAFETY: as above.
+                unsafe { $send::<O, S>(self, log, sink) }
             }
         }
 
@@ -381,6 +409,20 @@ macro_rules! cell_kernels {
         ) {
             polyhedra::meet::<IS_SUM>(hits, tile, cell, by, done);
         }
+
+        #[cfg(target_arch = "x86_64")]
+        #[inline(never)]
+        #[target_feature(enable = $features)]
+        fn $shade<O: Optics>(hits: &Hits, optics: &O, span: CellSpan, scratch: &mut Shades, log: &mut Log) {
+            hits.shade(optics, span, scratch, log);
+        }
+
+        #[cfg(target_arch = "x86_64")]
+        #[inline(never)]
+        #[target_feature(enable = $features)]
+        fn $send<O: Optics, S: Sink<O>>(by: $by, log: &mut Log, sink: &mut S) {
+            send::<O, S>(by, log, sink);
+        }
     };
 }
 
@@ -391,7 +433,9 @@ cell_kernels!(
     meet_tets_avx2,
     set_up_avx2,
     meet_avx2,
-    meet_polyhedron_avx2
+    meet_polyhedron_avx2,
+    shade_avx2,
+    send_avx2
 );
 cell_kernels!(
     ByAvx512,
@@ -400,5 +444,7 @@ cell_kernels!(
     meet_tets_avx512,
     set_up_avx512,
     meet_avx512,
-    meet_polyhedron_avx512
+    meet_polyhedron_avx512,
+    shade_avx512,
+    send_avx512
 );

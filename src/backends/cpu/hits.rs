@@ -121,13 +121,11 @@ impl Hits {
 /// Sixteen numbers from place `first` on.
 #[inline(always)]
 pub(super) fn get(packed: &Packed, first: usize) -> Lanes {
-    let mut lanes = [0.0; LANES];
-    lanes.copy_from_slice(&packed[first.min(PIXELS)..][..LANES]);
-    lanes
+    *packed[first.min(PIXELS)..].first_chunk().expect("there are sixteen more")
 }
 
 /// Puts sixteen numbers at place `first` and on.
 #[inline(always)]
 pub(super) fn put(packed: &mut Packed, first: usize, lanes: &Lanes) {
-    packed[first.min(PIXELS)..][..LANES].copy_from_slice(lanes);
+    *packed[first.min(PIXELS)..].first_chunk_mut().expect("there is room for sixteen more") = *lanes;
 }

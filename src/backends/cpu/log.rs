@@ -147,7 +147,7 @@ impl Log {
     pub(super) fn put_contribution(&mut self, nth: usize, contribution: &Contribution) {
         let place = self.place(nth);
         for (channel, values) in self.rings.contribution.iter_mut().zip(contribution) {
-            channel[place..place + LANES].copy_from_slice(values);
+            *channel[place..].first_chunk_mut().expect("there is room for sixteen more") = *values;
         }
     }
 
@@ -223,7 +223,5 @@ impl Log {
 /// Sixteen numbers from a place on.
 #[inline(always)]
 fn lanes_at(channel: &Channel, place: usize) -> Lanes {
-    let mut lanes = [0.0; LANES];
-    lanes.copy_from_slice(&channel[place.min(ROOM)..][..LANES]);
-    lanes
+    *channel[place.min(ROOM)..].first_chunk().expect("there are sixteen more")
 }

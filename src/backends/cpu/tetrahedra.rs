@@ -303,9 +303,7 @@ impl TetHits {
 /// Sixteen numbers from place `first` on.
 #[inline(always)]
 fn get(packed: &Packed, first: usize) -> Lanes {
-    let mut lanes = [0.0; LANES];
-    lanes.copy_from_slice(&packed[first.min(GROUP)..][..LANES]);
-    lanes
+    *packed[first.min(GROUP)..].first_chunk().expect("there are sixteen more")
 }
 
 /// The room for sixteen numbers at place `first` and on.

@@ -27,17 +27,19 @@ impl Simd for ByAvx2 {
 
     #[inline(always)]
     fn load(self, from: &Lanes) -> Self::Vector {
-        bytemuck::cast(*from)
+        // SAFETY: whoever made `self` vouched for the processor.
+        unsafe { kernels::load(from) }
     }
 
     #[inline(always)]
     fn store(self, vector: Self::Vector, to: &mut Lanes) {
-        *to = bytemuck::cast(vector);
+        // SAFETY: as above.
+        unsafe { kernels::store(vector, to) }
     }
 
     #[inline(always)]
     fn splat(self, value: f32) -> Self::Vector {
-        // SAFETY: whoever made `self` vouched for the processor.
+        // SAFETY: as above.
         unsafe { kernels::splat(value) }
     }
 
@@ -121,15 +123,43 @@ impl Simd for ByAvx2 {
 
 mod kernels {
     use std::arch::x86_64::{
-        __m128i, __m256, __m256i, _CMP_LT_OQ, _mm256_add_ps, _mm256_and_si256, _mm256_andnot_ps, _mm256_blendv_ps,
-        _mm256_castsi256_ps, _mm256_cmp_ps, _mm256_cmpeq_epi32, _mm256_cvtepu8_epi32, _mm256_max_ps, _mm256_min_ps,
-        _mm256_movemask_ps, _mm256_mul_ps, _mm256_permutevar8x32_ps, _mm256_set1_epi32, _mm256_set1_ps,
+        __m256, __m256i, _CMP_LT_OQ, _mm_loadl_epi64, _mm256_add_ps, _mm256_and_si256, _mm256_andnot_ps,
+        _mm256_blendv_ps, _mm256_castsi256_ps, _mm256_cmp_ps, _mm256_cmpeq_epi32, _mm256_cvtepu8_epi32,
+        _mm256_loadu_ps, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_permutevar8x32_ps,
+        _mm256_set1_epi32, _mm256_set1_ps, _mm256_setr_epi32, _mm256_storeu_ps,
     };
 
     use super::super::{LANE_FROM_PACKED, PACKED_FROM_LANE};
     use crate::optics::{LANES, Lanes, Mask};
 
     type Vector = [__m256; 2];
+
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    pub(super) fn load(from: &Lanes) -> Vector {
+        let (low, high) = from.split_at(8);
+        // SAFETY: eight numbers are read from either half.
+        unsafe { [_mm256_loadu_ps(low.as_ptr()), _mm256_loadu_ps(high.as_ptr())] }
+    }
+
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    pub(super) fn store(vector: Vector, to: &mut Lanes) {
+        let (low, high) = to.split_at_mut(8);
+        // SAFETY: eight numbers are written to either half.
+        unsafe {
+            _mm256_storeu_ps(low.as_mut_ptr(), vector[0]);
+            _mm256_storeu_ps(high.as_mut_ptr(), vector[1]);
+        }
+    }
+
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    fn stored(vector: Vector) -> Lanes {
+        let mut to = [0.0; LANES];
+        store(vector, &mut to);
+        to
+    }
 
     #[inline]
     #[target_feature(enable = "avx2")]
@@ -177,76 +207,77 @@ mod kernels {
     #[inline]
     #[target_feature(enable = "avx2")]
     pub(super) fn bits_where_less(a: Vector, b: Vector) -> u16 {
-        let half = |k: usize| _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a[k], b[k]));
-        (half(0) | half(1) << 8) as u16
+        let low = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a[0], b[0]));
+        let high = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a[1], b[1]));
+        (low | high << 8) as u16
     }
 
     #[inline]
     #[target_feature(enable = "avx2")]
     pub(super) fn pack(lanes: u16, from: Vector) -> Vector {
-        bytemuck::cast(compress(lanes, &bytemuck::cast(from)))
+        let [low, high] = lanes.to_le_bytes();
+        let mut to = [0.0; LANES];
+        let middle = (low.count_ones() as usize).min(8);
+        // SAFETY: eight numbers are written to the first eight of sixteen, and then to eight from the ninth or an earlier one on.
+        unsafe {
+            let packed = _mm256_permutevar8x32_ps(from[0], indices(&LANE_FROM_PACKED[low as usize]));
+            _mm256_storeu_ps(to.as_mut_ptr(), packed);
+            let packed = _mm256_permutevar8x32_ps(from[1], indices(&LANE_FROM_PACKED[high as usize]));
+            _mm256_storeu_ps(to.as_mut_ptr().add(middle), packed);
+        }
+        load(&to)
     }
 
     #[inline]
     #[target_feature(enable = "avx2")]
     pub(super) fn bits(mask: &Mask) -> u16 {
-        let [low, high] = bytemuck::cast::<_, [__m256; 2]>(*mask);
+        let [low, high] = load(bytemuck::cast_ref(mask));
         (_mm256_movemask_ps(low) | _mm256_movemask_ps(high) << 8) as u16
     }
 
     #[inline]
     #[target_feature(enable = "avx2")]
-    fn indices(of: [u8; 8]) -> __m256i {
-        _mm256_cvtepu8_epi32(bytemuck::cast::<_, __m128i>([of, [0; 8]]))
+    fn indices(of: &[u8; 8]) -> __m256i {
+        // SAFETY: eight bytes are read from eight.
+        _mm256_cvtepu8_epi32(unsafe { _mm_loadl_epi64(of.as_ptr().cast()) })
     }
 
     #[inline]
     #[target_feature(enable = "avx2")]
     pub(super) fn compress(lanes: u16, from: &Lanes) -> Lanes {
-        let [low, high] = lanes.to_le_bytes();
-        let [from_low, from_high] = bytemuck::cast::<_, [__m256; 2]>(*from);
-        let low_order = indices(LANE_FROM_PACKED[low as usize]);
-        let high_order = indices(LANE_FROM_PACKED[high as usize]);
-        let mut to = [0.0; LANES];
-        to[..8].copy_from_slice(&bytemuck::cast::<_, [f32; 8]>(_mm256_permutevar8x32_ps(from_low, low_order)));
-        let middle = low.count_ones() as usize;
-        to[middle.min(8)..][..8]
-            .copy_from_slice(&bytemuck::cast::<_, [f32; 8]>(_mm256_permutevar8x32_ps(from_high, high_order)));
-        to
+        stored(pack(lanes, load(from)))
     }
 
     #[inline]
     #[target_feature(enable = "avx2")]
     pub(super) fn expand(lanes: u16, packed: &Lanes, elsewhere: f32) -> Lanes {
         let [low, high] = lanes.to_le_bytes();
-        let mut from_high = [0.0; 8];
-        from_high.copy_from_slice(&packed[(low.count_ones() as usize).min(8)..][..8]);
-        let half = |lanes: u8, from: [f32; 8]| {
-            let from = bytemuck::cast::<_, __m256>(from);
-            let moved = _mm256_permutevar8x32_ps(from, indices(PACKED_FROM_LANE[lanes as usize]));
-            _mm256_blendv_ps(_mm256_set1_ps(elsewhere), moved, _mm256_castsi256_ps(mask_of(lanes)))
-        };
-        let mut from_low = [0.0; 8];
-        from_low.copy_from_slice(&packed[..8]);
-        bytemuck::cast([half(low, from_low), half(high, from_high)])
+        let middle = (low.count_ones() as usize).min(8);
+        let elsewhere = _mm256_set1_ps(elsewhere);
+        // SAFETY: eight numbers are read from the first of sixteen on, and from the ninth or an earlier one on.
+        let (first, second) =
+            unsafe { (_mm256_loadu_ps(packed.as_ptr()), _mm256_loadu_ps(packed.as_ptr().add(middle))) };
+        let first = _mm256_permutevar8x32_ps(first, indices(&PACKED_FROM_LANE[low as usize]));
+        let second = _mm256_permutevar8x32_ps(second, indices(&PACKED_FROM_LANE[high as usize]));
+        stored([_mm256_blendv_ps(elsewhere, first, mask_of(low)), _mm256_blendv_ps(elsewhere, second, mask_of(high))])
     }
 
     #[inline]
     #[target_feature(enable = "avx2")]
     pub(super) fn put(lanes: u16, value: f32, elsewhere: &Lanes) -> Lanes {
         let [low, high] = lanes.to_le_bytes();
-        let [in_low, in_high] = bytemuck::cast::<_, Vector>(*elsewhere);
-        let half = |lanes: u8, elsewhere: __m256| {
-            _mm256_blendv_ps(elsewhere, _mm256_set1_ps(value), _mm256_castsi256_ps(mask_of(lanes)))
-        };
-        bytemuck::cast([half(low, in_low), half(high, in_high)])
+        let (elsewhere, value) = (load(elsewhere), _mm256_set1_ps(value));
+        stored([
+            _mm256_blendv_ps(elsewhere[0], value, mask_of(low)),
+            _mm256_blendv_ps(elsewhere[1], value, mask_of(high)),
+        ])
     }
 
     /// All bits of the lanes whose bit is set.
     #[inline]
     #[target_feature(enable = "avx2")]
-    fn mask_of(lanes: u8) -> __m256i {
-        let bit = bytemuck::cast::<_, __m256i>([1_u32, 2, 4, 8, 16, 32, 64, 128]);
-        _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(i32::from(lanes)), bit), bit)
+    fn mask_of(lanes: u8) -> __m256 {
+        let bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+        _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(i32::from(lanes)), bit), bit))
     }
 }

@@ -99,7 +99,7 @@ fn lattices_and_octrees_that_lie_are_refused() {
     };
     refused(&|lattice| lattice["dims"][0] = 12.into(), "as many points");
     refused(&|lattice| lattice["dims"] = serde_json::json!([u64::MAX, 2, 2]), "as many points");
-    refused(&|lattice| lattice["dims"] = serde_json::json!([26, 27, 1]), "bytes where");
+    refused(&|lattice| lattice["dims"] = serde_json::json!([26, 27, 1]), "levels are missing");
     refused(&|lattice| lattice["octrees"][0]["array"] = 99.into(), "no such array");
     refused(&|lattice| lattice["octrees"][0]["array"] = 2.into(), "several components");
     refused(&|lattice| lattice["octrees"][0]["array"] = 3.into(), "bytes where");
