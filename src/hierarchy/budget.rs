@@ -100,7 +100,7 @@ impl SampleVisitor for Count<'_> {
                 continue;
             }
             let of_samples = (0..len).into_par_iter().with_min_len(1 << 14).fold(nothing, |mut changes, i| {
-                let found = leaves.node(leaves.at(place(i)));
+                let found = leaves.node(place(i));
                 if !found.mean.is_nan() && !shows.is_transparent(found.min, found.max) {
                     add(&mut changes, 0.0, of_parent(parent(i)));
                 }

@@ -157,7 +157,7 @@ impl SampleVisitor for Build {
         let mut levels: Vec<Level> = Vec::new();
         while levels.last().map_or(dims, |level| level.dims) != [1; 3] {
             let level = match levels.last() {
-                None => merged(&leaves, dims, (0, dims), |at| leaves.node(leaves.at(at))),
+                None => merged(&leaves, dims, (0, dims), |at| leaves.node(at)),
                 Some(below) => {
                     let nodes = below.nodes();
                     merged(&leaves, dims, (levels.len() as u32, below.dims), |at| nodes.at(at))

@@ -1,6 +1,6 @@
 //! The smallest boxes of the hierarchy: samples, or what lies between eight points, in single precision, less an offset.
 
-use super::level::{Interpolation, Node, index, octants};
+use super::level::{Interpolation, Node, index};
 use crate::columns::{Sample, Samples};
 
 /// A field's samples as stored values, and the smallest boxes that they make.
@@ -38,21 +38,10 @@ impl<'a, T: Sample> Leaves<'a, T> {
         self.get(index(self.dims, sample))
     }
 
-    /// Where the smallest box (i, j, k) stands.
+    /// The smallest box at (i, j, k).
     #[inline]
-    pub(super) fn at(&self, node: [u32; 3]) -> usize {
-        index(self.dims, node)
-    }
-
-    /// How far from the first of eight boxes the others stand, by octant.
-    #[inline]
-    pub(super) fn octants(&self) -> [usize; 8] {
-        octants(self.dims)
-    }
-
-    /// The smallest box that stands at `first`.
-    #[inline]
-    pub(super) fn node(&self, first: usize) -> Node {
+    pub(super) fn node(&self, at: [u32; 3]) -> Node {
+        let first = index(self.dims, at);
         if self.interpolation == Interpolation::Constant {
             return Node::of_sample(self.get(first));
         }

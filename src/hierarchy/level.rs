@@ -163,10 +163,3 @@ impl Nodes<'_> {
 pub(super) fn index([nx, ny, _]: [u32; 3], [i, j, k]: [u32; 3]) -> usize {
     i as usize + nx as usize * (j as usize + ny as usize * k as usize)
 }
-
-/// How far from the first of eight nodes the others stand, by octant: bit a is set for the later one along axis a.
-#[inline]
-pub(super) fn octants([nx, ny, _]: [u32; 3]) -> [usize; 8] {
-    let (row, layer) = (nx as usize, nx as usize * ny as usize);
-    [0, 1, row, row + 1, layer, layer + 1, layer + row, layer + row + 1]
-}

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::build::Hierarchy;
 use super::leaves::Leaves;
-use super::level::{Level, Node, Nodes, index, octants};
+use super::level::{Level, Node, Nodes};
 use crate::columns::{Cube, GridEye, Sample, SampleVisitor, Samples, VolumeField};
 use crate::optics::{CullTable, Intervals};
 
@@ -158,84 +158,43 @@ impl<T: Sample, A> Copy for Walk<'_, T, A> {}
 impl<T: Sample, A: Accept> Walk<'_, T, A> {
     /// Selects from the tree under `node` of a level above the samples, 0 being theirs; `parts` lists where the walk stops.
     fn visit(&self, level: usize, node: [u32; 3], selection: &mut Selection, parts: &mut Vec<(usize, [u32; 3])>) {
-        match level.checked_sub(1) {
-            None => self.sample(self.leaves.at(node), node, selection),
-            Some(above) => {
-                let found = self.levels[above].at(node);
-                if self.is_parted(level, (node, &found), selection, parts) {
-                    self.visit_children(level, node, selection, parts);
-                }
-            }
-        }
-    }
-
-    /// Whether a node above the samples is neither left out nor taken; it is counted.
-    #[inline]
-    fn is_parted(
-        &self,
-        level: usize,
-        (node, found): ([u32; 3], &Node),
-        selection: &mut Selection,
-        parts: &mut Vec<(usize, [u32; 3])>,
-    ) -> bool {
+        let Some(above) = level.checked_sub(1) else {
+            return self.sample(node, selection);
+        };
+        let found = self.levels[above].at(node);
         if found.min > found.max {
             selection.visited += 1;
             selection.invalid += self.samples_under(level, node);
-            return false;
+            return;
         }
         if !found.mean.is_nan() && self.shows.is_transparent(found.min, found.max) {
             selection.visited += 1;
             selection.transparent += self.samples_under(level, node);
-            return false;
+            return;
         }
-        let is_taken = self.accept.accepts(found);
+        let is_taken = self.accept.accepts(&found);
         if self.stop > 0 && (is_taken || level == self.stop) {
             parts.push((level, node));
-            return false;
+            return;
         }
         selection.visited += 1;
         if is_taken {
-            selection.cubes.push(Cube { node: node.map(|node| node as u16), level: level as u16, value: found.mean });
-        }
-        !is_taken
-    }
-
-    /// Selects from the children of a node, the farthest first. Calls itself for those that are parted, one in nine or so.
-    fn visit_children(
-        &self,
-        level: usize,
-        node: [u32; 3],
-        selection: &mut Selection,
-        parts: &mut Vec<(usize, [u32; 3])>,
-    ) {
-        let below = level - 1;
-        let first = node.map(|node| 2 * node);
-        let dims = if below == 0 { self.dims } else { self.levels[below - 1].dims };
-        let is_whole = (0..3).all(|axis| first[axis] + 1 < dims[axis]);
-        let far = self.far_side(below, node);
-        if below == 0 {
-            let steps = self.leaves.octants();
-            let place = self.leaves.at(first);
-            for number in 0..8_u32 {
-                let octant = number ^ far;
-                let child = child(first, octant);
-                if is_whole || is_within(child, dims) {
-                    self.sample(place + steps[octant as usize], child, selection);
-                }
-            }
+            let node = node.map(|node| node as u16);
+            selection.cubes.push(Cube { node, level: level as u16, value: found.mean });
             return;
         }
-        let nodes = &self.levels[below - 1];
-        let place = index(dims, first);
-        let steps = octants(dims);
+        let below = if above == 0 { self.dims } else { self.levels[above - 1].dims };
+        let far = self.far_side(above, node);
         for number in 0..8_u32 {
             let octant = number ^ far;
-            let child = child(first, octant);
-            if is_whole || is_within(child, dims) {
-                let found = nodes.node(place + steps[octant as usize]);
-                if self.is_parted(below, (child, &found), selection, parts) {
-                    self.visit_children(below, child, selection, parts);
-                }
+            let child = [2 * node[0] + (octant & 1), 2 * node[1] + (octant >> 1 & 1), 2 * node[2] + (octant >> 2)];
+            if child[0] >= below[0] || child[1] >= below[1] || child[2] >= below[2] {
+                continue;
+            }
+            if above == 0 {
+                self.sample(child, selection);
+            } else {
+                self.visit(above, child, selection, parts);
             }
         }
     }
@@ -251,11 +210,10 @@ impl<T: Sample, A: Accept> Walk<'_, T, A> {
         u32::from(is_upper(0)) | u32::from(is_upper(1)) << 1 | u32::from(is_upper(2)) << 2
     }
 
-    /// The smallest box `node`, which stands at `place`.
     #[inline]
-    fn sample(&self, place: usize, node: [u32; 3], selection: &mut Selection) {
+    fn sample(&self, node: [u32; 3], selection: &mut Selection) {
         selection.visited += 1;
-        let found = self.leaves.node(place);
+        let found = self.leaves.node(node);
         if found.mean.is_nan() {
             selection.invalid += 1;
         } else if self.shows.is_transparent(found.min, found.max) {
@@ -269,14 +227,4 @@ impl<T: Sample, A: Accept> Walk<'_, T, A> {
         let along = |axis: usize| u64::from(((node[axis] + 1) << level).min(self.dims[axis]) - (node[axis] << level));
         along(0) * along(1) * along(2)
     }
-}
-
-#[inline]
-fn child(first: [u32; 3], octant: u32) -> [u32; 3] {
-    [first[0] + (octant & 1), first[1] + (octant >> 1 & 1), first[2] + (octant >> 2)]
-}
-
-#[inline]
-fn is_within(node: [u32; 3], dims: [u32; 3]) -> bool {
-    node[0] < dims[0] && node[1] < dims[1] && node[2] < dims[2]
 }
