@@ -24,13 +24,15 @@ pub(super) struct Crossed {
 /// Edges of the triangles of a hexahedron: twelve, and six diagonals.
 const EDGES: usize = 18;
 
-/// A triangle with its edges: for each its number, and whether the triangle lies to its left.
+/// A triangle with its edges.
 #[derive(Clone, Copy, Debug)]
 struct Triangle {
     /// Outward normal: (a − e)·n and the affine n·d, whose ratio is the depth.
     height: f64,
     along: [f64; 3],
-    edges: [(u8, bool); 3],
+    /// Its three edges, a bit each, and those of them that run as its corners do.
+    edges: u32,
+    forward: u32,
 }
 
 /// Which side of an edge a ray is on, as an affine function of its position in the picture.
@@ -66,7 +68,8 @@ impl Skin {
             if n == DVec3::ZERO {
                 continue;
             }
-            let edges = [(0, 1), (1, 2), (2, 0)].map(|(i, k)| {
+            let (mut edges, mut forward) = (0, 0);
+            for (i, k) in [(0, 1), (1, 2), (2, 0)] {
                 let (i, k) = (corners[i], corners[k]);
                 let is_forward = vertex[i] < vertex[k];
                 let ends = if is_forward { [i as u8, k as u8] } else { [k as u8, i as u8] };
@@ -79,21 +82,26 @@ impl Skin {
                     skin.edges.push(Edge { ends, side: affine(m, q) });
                     skin.edges.len() - 1
                 });
-                (number as u8, is_forward)
-            });
+                edges |= 1 << number;
+                forward |= u32::from(is_forward) << number;
+            }
             let height = if view.is_perspective { (a - view.eye).dot(n) } else { n.dot(view.forward) };
-            skin.triangles.push(Triangle { height, along: affine(n, a), edges });
+            skin.triangles.push(Triangle { height, along: affine(n, a), edges, forward });
         }
         skin
     }
 
     /// Number, depth and whether it leaves, of each triangle that the line of the ray at `position` crosses, nearest first.
     fn crossings(&self, view: &View, position: [f64; 2]) -> ArrayVec<(usize, f64, bool), TRIANGLES> {
-        let is_left: ArrayVec<bool, EDGES> = self.edges.iter().map(|edge| at(edge.side, position) >= 0.0).collect();
+        let mut left = 0_u32;
+        for (number, edge) in self.edges.iter().enumerate() {
+            left |= u32::from(at(edge.side, position) >= 0.0) << number;
+        }
         let mut crossings = ArrayVec::new();
         for (number, triangle) in self.triangles.iter().enumerate() {
-            let [a, b, c] = triangle.edges.map(|(edge, is_forward)| is_left[usize::from(edge)] == is_forward);
-            if a != b || b != c {
+            // The ray is on the same side of all three, seen along the triangle.
+            let sides = left & triangle.edges;
+            if sides != triangle.forward && sides != triangle.edges ^ triangle.forward {
                 continue;
             }
             let along = at(triangle.along, position);
