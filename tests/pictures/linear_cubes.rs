@@ -1,6 +1,7 @@
 //! Cubes between points: against a twin in f64 that finds the value at every corner by looking at all boxes, across borders between boxes of
 //! different size too.
 
+use std::cell::OnceCell;
 use std::collections::HashMap;
 
 use cellfan::columns::{Association, Cube, GridEye, VolumeField};
@@ -25,6 +26,8 @@ struct Twin {
     boxes: [u32; 3],
     /// Whether corners on larger boxes follow these.
     follows: bool,
+    /// The values at all corners, where they do not and where they do: long to find.
+    corners: [OnceCell<Vec<[f64; 8]>>; 2],
 }
 
 impl Twin {
@@ -39,7 +42,7 @@ impl Twin {
         selection.select((&hierarchy, &field), &rule, shows, GridEye::Along(DVec3::ONE), false);
         let boxes = hierarchy.dims();
         let scene = CubeScene::with_hierarchy(&volume, field, hierarchy, transfer).unwrap();
-        Self { scene, cubes: selection.cubes, boxes, follows: true }
+        Self { scene, cubes: selection.cubes, boxes, follows: true, corners: Default::default() }
     }
 
     fn field(&self) -> &VolumeField {
@@ -99,12 +102,13 @@ impl Twin {
 
     /// Count, mean and largest difference of a picture from the twin, on some pixels that show something.
     fn errors(&self, image: &Image, model: Model, transfer: &TransferFunction, camera: &Camera) -> (usize, f64, f64) {
-        let corners: Vec<[f64; 8]> = self.cubes.iter().map(|cube| self.corners(cube)).collect();
+        let corners = self.corners[usize::from(self.follows)]
+            .get_or_init(|| self.cubes.iter().map(|cube| self.corners(cube)).collect());
         let [width, height] = [image.width, image.height];
         let mut errors = Vec::new();
         for i in 0..120 {
             let pixel @ [x, y] = [i * 7919 % width, i * 104_729 % height];
-            let expected = shade(model, transfer, &self.segments(&corners, camera, pixel));
+            let expected = shade(model, transfer, &self.segments(corners, camera, pixel));
             if expected != [f64::from(miss(model)); 4] {
                 let found = image.pixel(x, y);
                 errors.push((0..4).map(|c| (f64::from(found[c]) - expected[c]).abs()).fold(0.0, f64::max));
