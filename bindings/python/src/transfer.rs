@@ -62,7 +62,9 @@ impl Transfer {
     fn preset(name: &str, value_range: (f64, f64), unit_distance: f64, opacity: f64) -> PyResult<Self> {
         // One value everywhere is a range too.
         let (low, high) = value_range;
-        let range = if low >= high && low <= high { (low - 0.5, high + 0.5) } else { value_range };
+        #[expect(clippy::float_cmp, reason = "what is one value, is the same bits")]
+        let is_one = low == high;
+        let range = if is_one { (low - 0.5, high + 0.5) } else { value_range };
         checked(preset(name, range, OpacityProfile::Ramp { opacity }, unit_distance))
     }
 
