@@ -7,8 +7,8 @@
     reason = "kernels must inline into the function compiled for wider vectors, and their loops over lanes become vector code"
 )]
 
+use super::cell_kernels::{CellKernels, Hexahedron};
 use super::crossed::Crossed;
-use super::dispatch::{CellKernels, Hexahedron};
 use super::gather::Gather;
 use super::hits::Hits;
 use super::log::Log;

@@ -7,7 +7,7 @@
 use arrayvec::ArrayVec;
 use glam::DVec3;
 
-use super::dispatch::Hexahedron;
+use super::cell_kernels::Hexahedron;
 use super::parts::{Part, Parts};
 use super::tile::{BLOCKS, place_of};
 use crate::columns::HexShape;

@@ -9,13 +9,14 @@
 //! Where the view stays as it is, the order is `kept`. Under a memory budget the bins are filled in `bands`, within what `budget` leaves, and blocks collected in `portions`.
 //! Cubes of a volume, which come in order, have tiles of their own (`cubes`). Where a mesh of tetrahedra is drawn often, its rays are followed
 //! from cell to cell (`rays`): no sort at all.
-//! To add a way to composite: a sink; an instruction set: its kernels in `dispatch`, how it moves lanes in `simd`.
+//! To add a way to composite: a sink; an instruction set: its kernels in `dispatch` and `cell_kernels`, how it moves lanes in `simd`.
 
 mod bands;
 mod bins;
 mod blend;
 mod block;
 mod budget;
+mod cell_kernels;
 mod collect;
 mod composite;
 mod compositor;
